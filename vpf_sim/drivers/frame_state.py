@@ -6,7 +6,7 @@ import numpy as np
 
 from vpf_sim.perception.egomotion.focus_of_expansion import Derotated
 from vpf_sim.perception.egomotion.triangulation import Triangulation
-from vpf_sim.perception.obstacles.extent import none
+from vpf_sim.perception.obstacles.prediction import none
 from vpf_sim.types import (
     UNLIMITED,
     Bools,

@@ -89,15 +89,15 @@ class ObstacleStages:
         """
         if self._trackers.flow.is_swept:
             return None
-        verifier = self._verifier
-        if not self._static.looks and (verifier is None or not verifier.looks(pose, observation.speed_mps)):
+        verifies = self._verifier is not None and self._verifier.needs_frame(pose, observation.speed_mps)
+        if not self._static.needs_next_frame and not verifies:
             return grey
         view, pitch = contrast(observation.image, grey), self._trackers.pitch
         return view if pitch is None else pitch.frame(view)
 
     def predict_moving(self, pose: Floats, observation: Observation) -> Obstacles | None:
         """Moving obstacles where the road is compared: no road is expected there."""
-        if self._moving is None or not self._static.looks:
+        if self._moving is None or not self._static.needs_next_frame:
             return None
         return self._moving.moving(pose, observation.speed_mps)
 
@@ -105,7 +105,7 @@ class ObstacleStages:
         self, image: Image | None, pose: Floats, road: RoadEdges, moving: Obstacles | None, observation: Observation
     ) -> None:
         """Compare the road ahead with how it looked before, for low obstacles."""
-        self._static.look(image, pose, road, moving, observation.speed_mps)
+        self._static.compare_road(image, pose, road, moving, observation.speed_mps)
 
     def triangulate(self, steady: Flow) -> Triangulation:
         """The points of the flow, as if all of them stood still."""
@@ -148,7 +148,7 @@ class ObstacleStages:
 
     def reject(self, identity: Integers) -> None:
         """Rejected obstacles hide nothing of the road in the next frame."""
-        self._static.refute(identity)
+        self._static.reject(identity)
 
     def sensing_range(self, observation: Observation, pose: Floats) -> tuple[LowObstacleRange, Obstacles]:
         """How far low obstacles are detected, and the tentative ones."""

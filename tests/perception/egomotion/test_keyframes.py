@@ -1,12 +1,10 @@
 """First sightings found again in their frames: on drawn pictures that grow by a known factor, and what depths gain."""
 
-from dataclasses import replace
 from functools import partial
 
 import cv2
 import numpy as np
 import pytest
-from driver_settings import section
 from tracked_points import CAMERA, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import project, undistort, vehicle_from_world
@@ -156,24 +154,15 @@ def test_a_point_lies_on_the_road_by_the_better_of_its_tracks() -> None:
         return aside, np.arange(len(growth)) >= count
 
     chained, config = found.triangulate(flow), found.config.track_refinement
-    again = partial(found._found, flow)
+    again = partial(found.matched, flow)
     matched = refined(flow, chained, np.arange(count), match, config, again, CAMERA)
     assert np.array_equal(matched.depth_m, chained.depth_m, equal_nan=True), "no depth is of a match as lying"
     true_px = np.array([truth[int(i)] for i in flow.identity])
-    exact = found._found(flow, np.arange(count), true_px - flow.first_px).chi2_ground
+    exact = found.matched(flow, np.arange(count), true_px - flow.first_px).chi2_ground
     near = CAMERA.fy_px * CAMERA.height_m / (flow.points_px[:, 1] - CAMERA.cy_px) < config.road_m
     assert np.count_nonzero(exact[near] < chained.chi2_ground[near]) > 5
     better = np.minimum(exact, chained.chi2_ground)
     assert matched.chi2_ground == pytest.approx(np.where(near, better, chained.chi2_ground))
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [{"far_m": 2.0}, {"least_height_m": 3.0}, {"chi2_limit": -1.0}, {"chi2_margin": -1.0}, {"road_m": 0.0}],
-)
-def test_what_cannot_be_asked_is_refused(wrong: dict[str, float]) -> None:
-    with pytest.raises(ValueError, match="expected"):
-        replace(section("static_obstacles.track_refinement"), **wrong)
 
 
 def _firsts(drive: Drive, flow: Flow) -> tuple[Integers, Floats]:

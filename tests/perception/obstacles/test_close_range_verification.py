@@ -133,13 +133,7 @@ def test_a_refuted_body_that_is_told_elsewhere_is_another() -> None:
     assert len(looker.update(empty(x), pose, told(x, 7, FACE_M + 2.0 * CONFIG.moved_m), 5.0)) == 1
 
 
-@pytest.mark.parametrize("wrong", [{"nearest_m": 9.0}, {"inside_m": -0.1}, {"rows": 0}, {"most_other": 0.0}])
-def test_nonsense_is_refused(wrong: dict[str, float]) -> None:
-    with pytest.raises(ValueError, match=f"{next(iter(wrong))}: expected"):
-        replace(section("close_range_verification"), **wrong)  # type: ignore[arg-type]
-
-
-def test_of_a_narrow_body_half_is_looked_at() -> None:
+def test_half_of_a_narrow_obstacle_is_verified() -> None:
     assert [CONFIG.across_m(width) for width in (0.15, 2.0)] == pytest.approx([0.075, 1.8])
 
 

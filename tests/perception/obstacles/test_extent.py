@@ -7,33 +7,30 @@ import pytest
 from driver_settings import static_obstacles, unwrap
 
 from vpf_sim.geometry import rotation, vehicle_from_world
-from vpf_sim.perception.obstacles.clustering import stepped
+from vpf_sim.perception.obstacles.clustering import split
 from vpf_sim.perception.obstacles.config import SharpSideConfig
 from vpf_sim.perception.obstacles.extent import (
-    Seen,
-    at_least,
-    carried,
+    ObstaclePoints,
+    corrected_front,
     direction_at,
-    face_of,
-    joined,
-    nearest_extent,
-    nearest_spot,
-    nearest_sure,
-    on_top,
-    outdated,
-    parted,
+    fragments,
+    front,
+    is_behind,
+    move_to_face,
+    nearest_corner,
+    outliers,
+    rotate,
+    rotate_back,
     sides,
-    stands_behind,
-    strays,
-    turned,
-    turned_back,
-    widened_to_observation,
+    stale_fragments,
 )
+from vpf_sim.perception.obstacles.low_obstacles import extend_by_low, join, match_tracks, widen_to_tracks
+from vpf_sim.perception.obstacles.prediction import predict
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Obstacles, RoadEdges
 
 CONFIG = static_obstacles()
-SPLIT, FRAGMENT, CORNER = unwrap(CONFIG.split), unwrap(CONFIG.fragment), unwrap(CONFIG.near_corner)
+SPLIT, FRAGMENT = unwrap(CONFIG.split), unwrap(CONFIG.fragment)
 
 
 def test_bodies_are_carried_on_by_the_own_motion_and_by_theirs() -> None:
@@ -47,17 +44,17 @@ def test_bodies_are_carried_on_by_the_own_motion_and_by_theirs() -> None:
     )
     road, seen_from = RoadEdges(-5.0, 5.0, 0.1, 0.0, 0.05, 1.0, 0.0, 3.5), np.array([3.0, 1.0, 0.5])
     pose = np.array([*(seen_from[:2] + rotation(0.5) @ np.array([0.3, 0.02])), 0.53])
-    found = carried(bodies, seen_from, pose, 6.0, road, 0.05)
+    found = predict(bodies, seen_from, pose, 6.0, road, 0.05)
     expected = np.array([[20.0, 3.0], [30.0, -2.0] + 0.2 * np.array([np.cos(0.1), np.sin(0.1)])]) - (0.3, 0.02)
     expected = expected @ rotation(0.03)
     assert np.stack([found.forward_m, found.middle_m], axis=1) == pytest.approx(expected, abs=1e-3)
 
 
-def ahead(forward_m: Floats, sigma_m: Floats) -> Seen:
+def ahead(forward_m: Floats, sigma_m: Floats) -> ObstaclePoints:
     """Points (M,) straight ahead, seen sharply; none of them is a body by itself, or a stray."""
     some = np.zeros(len(forward_m))
     neither = some > 0.0
-    return Seen(np.column_stack([forward_m, some]), sigma_m, some, some, neither, neither)
+    return ObstaclePoints(np.column_stack([forward_m, some]), sigma_m, some, some, neither, neither)
 
 
 def test_what_lies_before_the_face_is_moved_along_its_line_of_sight() -> None:
@@ -65,7 +62,7 @@ def test_what_lies_before_the_face_is_moved_along_its_line_of_sight() -> None:
     turn, corner = -0.3, np.array([12.0, 3.0])
     placed = vehicle_from_world(np.stack([corner * 2.0 / 3.0, corner]), np.array([0.0, 0.0, turn]))
     sight = np.arctan2(corner[1], corner[0]) - turn
-    across = at_least(np.full(2, placed[1, 0]), placed, np.full(2, sight))
+    across = move_to_face(np.full(2, placed[1, 0]), placed, np.full(2, sight))
     assert across == pytest.approx([placed[1, 1]] * 2)
 
 
@@ -76,7 +73,7 @@ def test_a_face_is_told_by_a_share_of_its_points_not_by_the_nearest() -> None:
     forward = np.concatenate([rng.normal(20.0, 1.2, 8 * count), rng.normal(23.0, 0.5, count)])
     label = np.concatenate([np.repeat(np.arange(count), 8), np.repeat(np.arange(count // 2, count), 2)])
     sigma = np.concatenate([np.full(8 * count, 1.2), np.full(count, 0.5)])
-    face, face_sigma = nearest_extent(ahead(forward, sigma), label, count)
+    face, face_sigma = front(ahead(forward, sigma), label, count)
     alone, followed = face[: count // 2] - 20.0, face[count // 2 :] - 20.0
     assert -1.0 < np.mean(alone) < 0.0
     assert np.mean(np.abs(alone) < 1.5) > 0.9
@@ -91,8 +88,8 @@ def test_a_face_is_told_where_its_points_lie_however_much_they_err(count: int) -
     label = np.repeat(np.arange(bodies), count)
     sigma = np.full(len(label), 1.2)
     seen = ahead(20.0 + sigma * rng.standard_normal(len(label)), sigma)
-    nearest, _ = nearest_extent(seen, label, bodies)
-    face, face_sigma = face_of(seen, label, bodies, unwrap(CONFIG.face_correction).sigmas)
+    nearest, _ = front(seen, label, bodies)
+    face, face_sigma = corrected_front(seen, label, bodies)
     standard_error = np.std(face) / np.sqrt(bodies)
     assert abs(np.mean(face) - 20.0) < 0.03 + 3.0 * standard_error
     assert np.mean(nearest) < 19.5, "their nearest quarter"
@@ -106,9 +103,9 @@ def test_a_body_begins_where_several_points_lie_nearer_beyond_doubt(count: int, 
     forward = np.concatenate([rng.normal(14.0, 0.2, 40), rng.normal(12.0, 0.2, count)])
     sigma = np.full(len(forward), 0.2)
     seen, label = ahead(forward, sigma), np.zeros(len(forward), np.int64)
-    face, _ = nearest_extent(seen, label, 1)
+    face, _ = front(seen, label, 1)
     assert face[0] == pytest.approx(14.0, abs=0.25)
-    assert nearest_sure(seen, label, face, CORNER)[0] == pytest.approx(begins_m, abs=0.75)
+    assert nearest_corner(seen, label, face, 3, 2.5)[0] == pytest.approx(begins_m, abs=0.75)
 
 
 def test_points_that_only_err_do_not_bring_a_body_nearer() -> None:
@@ -117,8 +114,8 @@ def test_points_that_only_err_do_not_bring_a_body_nearer() -> None:
     forward, label = rng.normal(20.0, 1.2, 30 * count), np.repeat(np.arange(count), 30)
     sigma = np.full(30 * count, 1.2)
     seen = ahead(forward, sigma)
-    face, _ = nearest_extent(seen, label, count)
-    assert np.mean(nearest_sure(seen, label, face, CORNER) < face) < 0.01
+    face, _ = front(seen, label, count)
+    assert np.mean(nearest_corner(seen, label, face, 3, 2.5) < face) < 0.01
 
 
 def test_a_body_at_an_angle_begins_at_its_corner() -> None:
@@ -126,9 +123,9 @@ def test_a_body_at_an_angle_begins_at_its_corner() -> None:
     forward = np.linspace(8.0, 13.0, 61)
     sigma = np.full(61, 0.05)
     seen, label = ahead(forward, sigma), np.zeros(61, np.int64)
-    face, _ = nearest_extent(seen, label, 1)
+    face, _ = front(seen, label, 1)
     assert face[0] > 9.0
-    assert nearest_sure(seen, label, face, CORNER)[0] == pytest.approx(8.0, abs=0.35)
+    assert nearest_corner(seen, label, face, 3, 2.5)[0] == pytest.approx(8.0, abs=0.35)
 
 
 def test_a_long_body_along_the_road_is_as_wide_as_its_face_whichever_way_the_car_is_turned() -> None:
@@ -143,11 +140,14 @@ def test_a_long_body_along_the_road_is_as_wide_as_its_face_whichever_way_the_car
     sight = np.arctan2(place[:, 1], place[:, 0])
     place = place + (sigma * rng.standard_normal(80))[:, None] * np.column_stack([np.cos(sight), np.sin(sight)])
     road = RoadEdges(-7.0, 7.0, heading_rad, 0.0, 0.02, 1.0, 0.0, 3.5)
-    label, seen = np.zeros(80, np.int64), Seen(place, sigma, sight, np.zeros(80), *np.zeros((2, 80), np.bool_))
+    label, seen = (
+        np.zeros(80, np.int64),
+        ObstaclePoints(place, sigma, sight, np.zeros(80), *np.zeros((2, 80), np.bool_)),
+    )
     angle = direction_at(seen, label, 1, road)
-    seen = turned(seen, angle[label])
-    begin, _ = nearest_extent(seen, label, 1)
-    forward, left, right = turned_back(begin, *sides(seen, label, begin, CONFIG), angle)
+    seen = rotate(seen, angle[label])
+    begin, _ = front(seen, label, 1)
+    forward, left, right = rotate_back(begin, *sides(seen, label, begin, CONFIG), angle)
     assert right[0] - left[0] == pytest.approx(2.5, abs=0.3)
     middle = turn @ [forward[0], 0.5 * (left[0] + right[0])]
     assert middle == pytest.approx([12.0, 0.25], abs=0.2)
@@ -181,11 +181,11 @@ def test_what_was_seen_from_afar_beside_an_edge_does_not_move_it(side: float) ->
         assert sorted(side * edge[0] for edge in found) == pytest.approx([1.0, outer], abs=1e-9)
 
 
-def points(place_m: Floats, sigma_m: float = 0.1) -> Seen:
+def points(place_m: Floats, sigma_m: float = 0.1) -> ObstaclePoints:
     """Points (N, 2) in vehicle axes, seen sharply from the origin."""
     count = len(place_m)
     sight_rad = np.arctan2(place_m[:, 1], place_m[:, 0])
-    return Seen(place_m, np.full(count, sigma_m), sight_rad, np.zeros(count), *np.zeros((2, count), np.bool_))
+    return ObstaclePoints(place_m, np.full(count, sigma_m), sight_rad, np.zeros(count), *np.zeros((2, count), np.bool_))
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
@@ -198,16 +198,16 @@ def test_who_stands_behind_a_body_and_beside_it_is_a_body_of_its_own(side: float
     place = np.array(face + flank + slides + pedestrian)
     seen = points(place)
     label = np.zeros(len(place), np.int64)
-    behind = stands_behind(seen, label, 1, SPLIT)
+    behind = is_behind(seen, label, 1, SPLIT, 2.5)
     assert behind.tolist() == [False] * 9 + [True] * 3
-    assert not stands_behind(replace(seen, sigma_m=np.full(len(place), 1.5)), label, 1, SPLIT).any(), (
+    assert not is_behind(replace(seen, sigma_m=np.full(len(place), 1.5)), label, 1, SPLIT, 2.5).any(), (
         "depth known badly"
     )
     step = np.where(behind, 0, -1)
-    parts, apart = stepped(label, step, lambda parts: np.ones(parts.max() + 1, np.bool_))
+    parts, apart = split(label, step, lambda parts: np.ones(parts.max() + 1, np.bool_))
     assert parts.tolist() == [0] * 9 + [1] * 3
     assert apart.tolist() == [False, True]
-    parts, apart = stepped(label, step, lambda parts: np.arange(parts.max() + 1) == 0)
+    parts, apart = split(label, step, lambda parts: np.arange(parts.max() + 1) == 0)
     assert parts.tolist() == [0] * 12, "what would be no body by itself stays a part of the other"
     assert apart.tolist() == [False]
 
@@ -215,7 +215,7 @@ def test_who_stands_behind_a_body_and_beside_it_is_a_body_of_its_own(side: float
 def test_those_who_stand_behind_a_body_on_both_sides_are_bodies_of_their_own() -> None:
     """Two points on either side, and one astray, which stays a part of what is left."""
     label, step = np.zeros(9, np.int64), np.array([-1, -1, -1, -1, 0, 1, 0, 1, 2])
-    parts, apart = stepped(label, step, lambda parts: np.bincount(parts) > 1)
+    parts, apart = split(label, step, lambda parts: np.bincount(parts) > 1)
     assert parts.tolist() == [0, 0, 0, 0, 1, 2, 1, 2, 0]
     assert apart.tolist() == [False, True, True]
 
@@ -240,7 +240,7 @@ def test_what_parted_from_a_body_behind_it_is_no_other(
     """A van 4 m ahead, from 4 to 2 m left of the camera's axis, has the number 4."""
     left, right = np.array([-4.0, across_m[0]]), np.array([-2.0, across_m[1]])
     ahead, straight = np.array([4.0, ahead_m]), np.zeros(2)
-    belongs_to = parted(ahead, left, right, straight, np.array([4, body]), np.array([20, support]), FRAGMENT)
+    belongs_to = fragments(ahead, left, right, straight, np.array([4, body]), np.array([20, support]), FRAGMENT)
     assert belongs_to.tolist() == [False, not own]
 
 
@@ -260,7 +260,7 @@ def test_what_is_not_seen_again_before_a_body_it_parted_from_is_no_other(
 ) -> None:
     """Two points of a barrier 14 m ahead that has the number 4, and two of what may be another body."""
     ahead, label = np.array([14.0, ahead_m]), np.array([0, 0, 1, 1])
-    none = outdated(ahead, np.array(old), label, np.array([4, body]), np.array([support, 2]))
+    none = stale_fragments(ahead, np.array(old), label, np.array([4, body]), np.array([support, 2]))
     assert none.tolist() == [False, not own]
 
 
@@ -271,7 +271,7 @@ def test_who_stands_beside_the_way_of_a_flank_is_no_part_of_it_though_in_line_as
     left, right = np.array([truck, other]).T
     for angle, parts in ((0.0, [False, True]), (side * 0.23, [False, False])):
         assert (
-            parted(ahead, left, right, np.full(2, angle), np.array([4, 4]), np.array([20, 6]), FRAGMENT).tolist()
+            fragments(ahead, left, right, np.full(2, angle), np.array([4, 4]), np.array([20, 6]), FRAGMENT).tolist()
             == parts
         )
 
@@ -320,10 +320,10 @@ def test_a_point_of_poor_depth_alone_behind_a_flank_and_beside_it_tells_no_side(
     place, last = np.array(flank + beyond), np.arange(len(flank) + len(beyond)) >= len(flank)
     label = np.zeros(len(place), np.int64)
     seen = replace(points(place), sigma_m=np.where(last, sigma_m, 0.05), alone=last & alone)
-    behind = np.where(stands_behind(seen, label, 1, SPLIT), 0, -1)
+    behind = np.where(is_behind(seen, label, 1, SPLIT, 2.5), 0, -1)
     assert behind.tolist() == np.where(last, 0, -1).tolist()
-    seen = replace(seen, stray=strays(seen, behind, unwrap(SPLIT.outlier).sigma_m))
-    assert seen.stray.tolist() == (last & stray).tolist()
+    seen = replace(seen, outlier=outliers(seen, behind, unwrap(SPLIT.outlier).sigma_m))
+    assert seen.outlier.tolist() == (last & stray).tolist()
     nearest_m = min(abs(value[0]) for value in sides(seen, label, np.array([4.0]), CONFIG))
     assert (nearest_m > 1.4) == stray
 
@@ -355,19 +355,19 @@ def test_a_low_body_that_sticks_out_of_a_taller_one_is_not_taken_for_a_part_of_i
     car = standing((5.5, *sorted((side * 2.5, side * 4.7))))
     wheel, shadow, pallet = ((6.5, *sorted((side * a, side * b))) for a, b in ((2.2, 2.8), (1.85, 2.45), (1.6, 2.45)))
     for one in (wheel, shadow):
-        assert len(joined(car, standing(one), 0.1, 0.75, 2.0)) == 1
-    both = joined(car, standing(pallet), 0.1, 0.75, 2.0)
+        assert len(join(car, standing(one), 0.1, 0.75, 2.0, 2.0)) == 1
+    both = join(car, standing(pallet), 0.1, 0.75, 2.0, 2.0)
     assert sorted(both.left_m.tolist()) == sorted((car.left_m[0], pallet[1]))
 
 
 @pytest.mark.parametrize(("before_m", "own"), [(0.8, False), (1.2, True)])
 def test_a_low_body_well_before_a_taller_ones_face_is_not_of_it(before_m: float, own: bool) -> None:
     wall, plank = standing((9.0, -3.0, 3.0)), standing((9.0 - before_m, -0.5, 0.5))
-    assert len(joined(wall, plank, 0.4, 1.0, 1.0)) == 1 + own
+    assert len(join(wall, plank, 0.4, 1.0, 1.0, 2.0)) == 1 + own
 
 
 def seen_wide(points: Obstacles, spots: Obstacles) -> Obstacles:
-    return widened_to_observation(points, spots, *nearest_spot(points, spots, 1.0, 0.4))
+    return widen_to_tracks(points, spots, *match_tracks(points, spots, 1.0, 0.4))
 
 
 def test_a_low_body_is_as_wide_as_the_look_at_the_road_saw_it_and_where_its_points_are() -> None:
@@ -403,12 +403,12 @@ def test_points_of_a_pallet_that_seem_to_stand_higher_do_not_hide_how_wide_it_is
     low: tuple[float, float, float], told: tuple[float, float, float]
 ) -> None:
     """They are told by themselves where its right end is."""
-    seen = on_top(standing((8.0, 1.4, 1.8)), standing(low), 0.5)
+    seen = extend_by_low(standing((8.0, 1.4, 1.8)), standing(low), 0.5, 2.0)
     assert (seen.forward_m[0], seen.left_m[0], seen.right_m[0]) == pytest.approx(told)
 
 
 @pytest.mark.parametrize("low", [(8.5, 1.9, 2.5), (10.5, 1.0, 1.85), (7.0, 1.0, 1.85), (8.0, 1.3, 1.6)])
 def test_what_lies_elsewhere_or_is_narrower_is_not_of_a_tall_body(low: tuple[float, float, float]) -> None:
     """Beside it, behind, before: a body of its own, which must keep its face; and a wheel."""
-    seen = on_top(standing((8.0, 1.4, 1.8)), standing(low), 0.5)
+    seen = extend_by_low(standing((8.0, 1.4, 1.8)), standing(low), 0.5, 2.0)
     assert (seen.forward_m[0], seen.left_m[0], seen.right_m[0]) == (8.0, 1.4, 1.8)

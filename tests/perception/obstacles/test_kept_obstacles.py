@@ -51,7 +51,7 @@ def test_what_parted_from_a_body_and_was_lost_is_none_once_that_is_passed(lost: 
     drive = Drive(np.concatenate([body(40.0, 2.5, 1.6, 1.3, 10), road_points(100), parted]))
     found = tracker()
     assert len(drive.run(found, range(300))[-1]) == 2
-    found._points.body[found._points.body >= 0] = 0
+    found.points.obstacle[found.points.obstacle >= 0] = 0
     assert len(drive.run(found, range(300, 303))[-1]) == 1
     if lost:
         drive.scene[-3:] = [-50.0, 0.0, 0.0]
@@ -70,9 +70,9 @@ def test_what_a_body_drives_over_is_none(right_m: float, kept: int) -> None:
         bodies, left_m=np.array([right_m - 1.0]), right_m=np.array([right_m + 1.0]), speed_mps=np.full(1, 3.0)
     )
     spot = LowObservation(float(bodies.forward_m[0]), 0.0, 0.6, 10.0)
-    found._low_tracks.record([spot], drive.pose(329))
-    found._make_way(drives, drive.pose(329), drive.road)
-    assert len(found._low_tracks._known) == kept
+    found.low_tracks.record([spot], drive.pose(329))
+    found.remove_swept(drives, drive.pose(329), drive.road)
+    assert len(found.low_tracks.tracks) == kept
     for track in range(12):  # and is not seen again
         drive.scene[track] = [-50.0, 0.0, 0.0]
     assert len(drive.run(found, range(330, 334))[-1]) == kept
@@ -81,9 +81,9 @@ def test_what_a_body_drives_over_is_none(right_m: float, kept: int) -> None:
 def test_what_a_body_drives_over_is_not_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nor was it when the older picture was taken, 4.5 m of our way before, 2.4 m of its own."""
     found, seen, one = tracker(), list[Floats](), np.ones(1)
-    monkeypatch.setattr(found._parallax, "update", lambda *arguments: seen.append(arguments[2]))
+    monkeypatch.setattr(found.parallax, "update", lambda *arguments: seen.append(arguments[2]))
     drives = Obstacles(12.0 * one, -1.0 * one, one, 0.5 * one, one, -one.astype(np.int64), 3.0 * one)
-    found.look(np.zeros((480, 640), np.uint8), np.zeros(3), Drive(road_points(9)).road, drives, 5.6)
+    found.compare_road(np.zeros((480, 640), np.uint8), np.zeros(3), Drive(road_points(9)).road, drives, 5.6)
     assert seen[0].shape == (1, 4, 2)
     assert seen[0][0, :, 0].min() == pytest.approx(12.0 - 0.8 - 3.0 * 4.5 / 5.6)
 
@@ -131,8 +131,8 @@ def test_what_is_not_seen_again_on_the_way_to_it_is_no_part_of_a_body(
     drive = Drive(np.concatenate([body(40.0, 1.5, 3.0, 1.2, 20), road_points(100), part]))
     found = tracker()
     assert len(drive.run(found, range(first))[-1]) == 2
-    marks = found._points
-    marks.body[marks.body >= 0] = 0
+    marks = found.points
+    marks.obstacle[marks.obstacle >= 0] = 0
     if lost:
         drive.scene[-3:] = [-50.0, 0.0, 0.0]
     assert len(drive.run(found, range(first, first + 3))[-1]) == 2
@@ -144,7 +144,7 @@ def test_what_is_not_seen_again_on_the_way_to_it_is_no_part_of_a_body(
 def test_points_known_badly_or_low_tell_no_body_surely(sigma_m: float, low: bool, sure: bool) -> None:
     drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, 7), road_points(100)])), tracker()
     bodies = drive.run(found, range(330))[-1]
-    found._points.sigma_m[:], found._points.low[:] = sigma_m, low
+    found.points.sigma_m[:], found.points.low[:] = sigma_m, low
     assert found.is_well_supported(bodies).tolist() == [sure]
 
 
@@ -162,38 +162,53 @@ def test_no_second_look_refutes_what_low_points_and_looks_at_the_road_tell_of_bo
         bodies = drive.run(found, range(k, k + 1))[-1]
         forward_m = 40.0 - drive.pose(k)[0]
         if middle_m is not None and forward_m < 16.0 and k % 6 == 0:
-            found._low_tracks.record(
+            found.low_tracks.record(
                 [LowObservation(forward_m, middle_m - 0.4, middle_m + 0.4, gain=20.0)], drive.pose(k)
             )
     assert found.is_verified(bodies).tolist() == sure
 
 
 @pytest.mark.parametrize(
-    ("spot_m", "tall", "refuted", "seen"),
+    ("behind_m", "height_m", "rejected", "visible"),
     [
-        (8.2, False, False, True),  # 2.2 m behind the face of what is low
-        (7.4, False, False, False),  # its own far edge, or what it hides
-        (8.2, True, False, False),
-        (7.4, True, True, True),  # in its place the road was seen: it was told too near, and this is it
+        (2.2, 0.15, False, True),
+        (1.4, 0.15, False, False),  # its own far edge, or what it hides
+        (2.2, 1.4, False, False),
+        (1.4, 1.4, True, True),  # it was reported too near, and this is it
     ],
 )
-def test_what_is_low_hides_little_and_what_was_refuted_nothing(
-    spot_m: float, tall: bool, refuted: bool, seen: bool
+def test_low_obstacles_hide_little_and_rejected_ones_nothing(
+    behind_m: float, height_m: float, rejected: bool, visible: bool
 ) -> None:
-    found, ahead = tracker(), Obstacles(*(np.array([value]) for value in (6.0, -0.6, 0.6, 0.4, np.inf)), np.array([7]))
-    found._tall = ahead if tall else ahead.chosen(np.zeros(1, np.bool_))
-    if refuted:
-        found.refute(ahead.identity)
-    lens = np.array([0.8, 0.0])
-    assert (found._in_sight(LowObservation(spot_m, -0.4, 0.4, 30.0), [lens], ahead) is not None) == seen
+    drive, found = Drive(np.concatenate([standing(height_m), road_points(100)])), tracker()
+    ahead = drive.run(found, range(370))[-1]
+    assert len(ahead) == 1
+    if rejected:
+        found.reject(ahead.identity)
+    low = LowObservation(float(ahead.forward_m[0]) + behind_m, -0.2, 0.2, 30.0)
+    found.parallax = SimpleNamespace(
+        needs_next_frame=True,
+        update=lambda *_: [low],
+        looks=True,
+        lenses_m=[np.array([0.8, 0.0])],
+        difference_at=lambda known: np.full(len(known), np.nan),
+    )  # type: ignore[assignment]
+    found.compare_road(np.zeros((480, 640), np.uint8), drive.pose(369), drive.road, speed_mps=5.0)
+    assert len(found.low_tracks.tracks) == visible
 
 
-@pytest.mark.parametrize("refuted", [False, True])
-def test_the_road_behind_a_body_is_left_out_unless_that_was_refuted(refuted: bool) -> None:
-    found, hidden = tracker(), []
-    found._tall = Obstacles(*(np.array([value]) for value in (9.0, -0.9, 0.9, 0.4, np.inf)), np.array([7]))
-    found._parallax = SimpleNamespace(looks=True, update=lambda _image, _pose, corners: hidden.append(len(corners)))  # type: ignore[assignment]
-    if refuted:
-        found.refute(np.array([7]))
-    found.look(np.zeros((480, 640), np.uint8), np.zeros(3), Drive(road_points(4)).road, speed_mps=5.0)
-    assert hidden == [0 if refuted else 1]
+@pytest.mark.parametrize("rejected", [False, True])
+def test_the_road_behind_an_obstacle_is_ignored_unless_that_was_rejected(rejected: bool) -> None:
+    drive, found, hidden = Drive(np.concatenate([standing(1.4), road_points(100)])), tracker(), list[int]()
+    ahead = drive.run(found, range(370))[-1]
+    found.parallax = SimpleNamespace(looks=True, update=lambda _image, _pose, corners: hidden.append(len(corners)))  # type: ignore[assignment]
+    if rejected:
+        found.reject(ahead.identity)
+    found.compare_road(np.zeros((480, 640), np.uint8), drive.pose(369), drive.road, speed_mps=5.0)
+    assert hidden == [0 if rejected else 1]
+
+
+def standing(height_m: float) -> Floats:
+    """Points of an obstacle 1.2 m wide."""
+    across = np.linspace(-0.6, 0.6, 9)
+    return np.column_stack([np.full(9, 42.0), across, np.linspace(0.7 * height_m, height_m, 9)])

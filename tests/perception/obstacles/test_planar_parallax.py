@@ -20,7 +20,7 @@ from vpf_sim.types import Floats, Image, Obstacles, RoadEdges
 
 SPEED_MPS, LOOKS_HZ = 5.55, 10.0
 BUMPER_M = 2.25
-CONFIG, TRACKS = static_obstacles().residual, static_obstacles().spots
+CONFIG, TRACKS = static_obstacles().planar_parallax, static_obstacles().low_tracks
 STRAIGHT = RoadEdges(-7.0, 7.0, 0.0, 0.0, 0.05, 1.0, 0.0, 3.5)
 
 
@@ -142,7 +142,7 @@ def test_the_difference_at_a_foot_tells_road_from_obstacle(right_m: float, is_ro
         found.append(float(residual.difference_at(body)[0]))
     seen, config = np.array(found)[np.isfinite(found)], section("static_obstacles.free_road")
     assert len(seen) >= 4
-    assert np.count_nonzero(seen < config.road) >= config.looks if is_road else np.median(seen) > config.body
+    assert np.count_nonzero(seen < config.road) >= config.observations if is_road else np.median(seen) > config.obstacle
 
 
 def test_beyond_the_noise_range_no_foot_is_compared() -> None:

@@ -6,13 +6,13 @@ from typing import cast
 
 import numpy as np
 import pytest
-from driver_settings import optional_sections, static_obstacles, unwrap, without
+from driver_settings import optional_sections, static_obstacles, without
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import vehicle_from_world, wrap_angle
+from vpf_sim.perception.obstacles.obstacle_clusters import ObstacleClusters
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation
 from vpf_sim.perception.obstacles.point_hypotheses import PointHypotheses
-from vpf_sim.perception.obstacles.static_obstacles import Bodies
 from vpf_sim.perception.obstacles.static_tracker import StaticObstacleTracker
 from vpf_sim.types import Floats, Flow, RoadEdges
 
@@ -77,8 +77,8 @@ def test_a_corner_that_stands_alone_is_the_higher_the_worse_its_depth_is_known(
         height_m=height_m * one,
         seed_weight=seed_weight * one,
     )
-    bodies = Bodies(CAMERA, static_obstacles(), cast("PointHypotheses", marks), RATE_HZ)
-    assert bodies._are_tall(np.zeros(1, np.int64), np.zeros(1, np.int64)).tolist() == [told]
+    bodies = ObstacleClusters(CAMERA, static_obstacles(), cast("PointHypotheses", marks), RATE_HZ)
+    assert bodies.are_tall(np.zeros(1, np.int64), np.zeros(1, np.int64)).tolist() == [told]
 
 
 @pytest.mark.parametrize(("small", "told"), [(40.0, True), (27.0, False)])
@@ -154,19 +154,19 @@ def test_a_body_with_a_name_keeps_it_though_points_of_another_join_it(
     before: list[int], label: list[int], named: list[int]
 ) -> None:
     """Corners of a truck's flank are seen beside a cone: under the truck's name it would be a part of it."""
-    marks, one = SimpleNamespace(body=np.array(before)), np.ones(len(named), np.bool_)
-    bodies = Bodies(CAMERA, static_obstacles(), cast("PointHypotheses", marks), RATE_HZ)
-    assert bodies._named(np.arange(len(label)), np.array(label), one, one, ~one).tolist() == named
-    assert marks.body.tolist() == [named[k] for k in label]
+    marks, one = SimpleNamespace(obstacle=np.array(before)), np.ones(len(named), np.bool_)
+    bodies = ObstacleClusters(CAMERA, static_obstacles(), cast("PointHypotheses", marks), RATE_HZ)
+    assert bodies.identify(np.arange(len(label)), np.array(label), one, one, ~one).tolist() == named
+    assert marks.obstacle.tolist() == [named[k] for k in label]
 
 
 @pytest.mark.parametrize(("placed", "named"), [(False, -1), (True, 2)])
 def test_a_badly_placed_splinter_of_a_body_is_not_told_under_its_name(placed: bool, named: int) -> None:
     """Two of a barrier's corners, seen only from afar, seemed to stand 4 m before the car that had passed it."""
-    marks, both = SimpleNamespace(body=np.full(6, 2)), np.ones(2, np.bool_)
-    bodies = Bodies(CAMERA, static_obstacles(), cast("PointHypotheses", marks), RATE_HZ)
+    marks, both = SimpleNamespace(obstacle=np.full(6, 2)), np.ones(2, np.bool_)
+    bodies = ObstacleClusters(CAMERA, static_obstacles(), cast("PointHypotheses", marks), RATE_HZ)
     label = np.array([0, 0, 0, 0, 1, 1])
-    assert bodies._named(np.arange(6), label, both, np.array([False, placed]), ~both).tolist() == [2, named]
+    assert bodies.identify(np.arange(6), label, both, np.array([False, placed]), ~both).tolist() == [2, named]
 
 
 @pytest.mark.parametrize(("heading_rad", "told"), [(0.0, 1), (0.25, 1), (-0.35, 0)])
@@ -297,17 +297,8 @@ def test_low_points_and_what_the_look_at_the_road_shows_are_told_as_one_body() -
         bodies = drive.run(found, range(k, k + 1))[-1]
         spot = LowObservation(40.0 - drive.pose(k)[0], -0.2, 0.6, gain=20.0)
         if spot.forward_m < 16.0 and k % 6 == 0:
-            found._low_tracks.record([spot], drive.pose(k))
+            found.low_tracks.record([spot], drive.pose(k))
     assert (bodies.left_m, bodies.right_m) == (pytest.approx([-0.4], abs=0.05), pytest.approx([0.4], abs=0.05))
-
-
-def test_nonsense_is_refused_with_what_was_given() -> None:
-    with pytest.raises(ValueError, match="least_width_m: expected >= 0, got -1"):
-        replace(static_obstacles(), least_width_m=-1.0)
-    with pytest.raises(ValueError, match=r"expected 0 < near < far, got 30\.0, 28\.0"):
-        replace(static_obstacles(), near_m=30.0)
-    with pytest.raises(ValueError, match=r"depth_ratio: expected 0 < first < second, got \(0\.1, 0\.07\)"):
-        replace(unwrap(static_obstacles().single_point), depth_ratio=(0.1, 0.07))
 
 
 def test_what_lies_low_before_the_face_that_is_told_of_a_body_is_not_of_that_body() -> None:

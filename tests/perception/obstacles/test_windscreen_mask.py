@@ -13,7 +13,7 @@ from vpf_sim.perception.obstacles.planar_parallax.windscreen_mask import static_
 from vpf_sim.seeding import stream
 from vpf_sim.types import Image
 
-CELL_M, CONFIG = 0.05, static_obstacles().residual.windscreen_mask
+CELL_M, CONFIG = 0.05, static_obstacles().planar_parallax.windscreen_mask
 assert CONFIG is not None
 ROWS, COLUMNS, STEP = 160, 100, 11  # of the patch, and by how many rows the road moves between two
 ASPHALT = 90.0 + cv2.GaussianBlur(stream(41, "asphalt").normal(0.0, 12.0, (ROWS + STEP, COLUMNS)), (0, 0), 2.0)

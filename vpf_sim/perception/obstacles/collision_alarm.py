@@ -1,88 +1,84 @@
-"""The safety net: something in our way that grows fast, whatever it is.
+"""A cluster of points in the car's path that grows fast raises an alarm, whatever it is.
 
-The rate at which a cluster of points expands gives the time until they are met, 1 / (w v) with w their inverse depth as
-standing points, for bodies that stand and for bodies that move (Lee, Perception 5, 1976). So what has not yet been told
-to be the one or the other is met at its due time if it is taken to stand there.
+The rate of expansion is the inverse time to contact, for static and moving objects alike (Lee, Perception 5, 1976). An
+object not yet classified is met at its due time if it is taken to stand there.
 """
 
 import numpy as np
 
 from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.obstacles.config import CollisionAlarmConfig
-from vpf_sim.perception.obstacles.extent import none, to_current_frame
-from vpf_sim.perception.obstacles.point_hypotheses import Integers
+from vpf_sim.perception.obstacles.prediction import none, to_current_frame
 from vpf_sim.perception.quantiles import median
 from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
 
-IDENTITY = np.iinfo(np.int64).max
-
 
 class CollisionAlarm:
-    """Watches for what is met soon; keeps its place while it is not seen for a moment."""
+    """Finds objects that are met soon, and keeps them for a moment without points."""
 
     def __init__(self, camera: Camera, config: CollisionAlarmConfig, look_s: float) -> None:
         self.camera, self.config, self.look_s = camera, config, look_s
         self._alarm_s = 0.0  # for how long; negative: since when not
-        self._body: Obstacles | None = None
-        self._seen_from: Floats = np.zeros(3)
+        self._obstacle: Obstacles | None = None
+        self._pose: Floats = np.zeros(3)  # of it
 
     def look(self, flow: Flow, points: Triangulation, road: RoadEdges, speed_mps: float, free: Bools) -> None:
-        """One look, at those of the points that are `free` (N,): of no body that is known to move."""
+        """Use the points of one frame that are `free` (N,): of no known moving obstacle."""
         found = self._cluster(self._alarming(flow, points, road, speed_mps) & free, flow, points)
         if found is not None:
             self._alarm_s = max(self._alarm_s, 0.0) + self.look_s
-            self._body, self._seen_from = found, flow.pose
+            self._obstacle, self._pose = found, flow.pose
         else:
             self._alarm_s = min(self._alarm_s, 0.0) - self.look_s if self.alarms else 0.0
         if self._alarm_s < -self.config.hold_s:
-            self._body, self._alarm_s = None, 0.0
+            self._obstacle, self._alarm_s = None, 0.0
 
     @property
     def alarms(self) -> bool:
         """Whether there is an alarm, or was a moment ago."""
-        return self._body is not None and (self._alarm_s >= self.config.after_s or self._alarm_s < 0.0)
+        return self._obstacle is not None and (self._alarm_s >= self.config.after_s or self._alarm_s < 0.0)
 
     def obstacles(self, pose: Floats, speed_mps: float, known: Obstacles) -> Obstacles:
-        """None or one: what is met soon and is not known, in the axes of the vehicle at `pose`, as if it stood."""
-        if self._body is None or not self.alarms:
+        """None or one: what is met soon and is not known, in vehicle axes at `pose`, as if it stood."""
+        if self._obstacle is None or not self.alarms:
             return none()
-        body = to_current_frame(self._body, self._seen_from, pose, speed_mps)
-        place, left, right = (float(part[0]) for part in (body.forward_m, body.left_m, body.right_m))
-        return none() if place <= 0.0 or self._is_known(known, place, left, right) else body
+        found = to_current_frame(self._obstacle, self._pose, pose, speed_mps)
+        place, left, right = (float(part[0]) for part in (found.forward_m, found.left_m, found.right_m))
+        return none() if place <= 0.0 or self._is_known(known, place, left, right) else found
 
     def _is_known(self, known: Obstacles, forward_m: float, left_m: float, right_m: float) -> bool:
-        """Whether one of the bodies stands before it in the line of sight, or no farther behind than it may err."""
+        """Whether a known obstacle stands before it in the line of sight, or no farther behind than it may err."""
         nearest = np.maximum(known.forward_m, 1.0)
-        margin = self.config.half_way_m
+        margin = self.config.half_width_m
         covers = (known.left_m - margin) / nearest < right_m / forward_m
         covers &= (known.right_m + margin) / nearest > left_m / forward_m
         near = (known.forward_m > 0.0) & (known.forward_m < (1.0 + 2.0 * self.config.agree_ratio) * forward_m)
         return bool(np.any(covers & near))
 
     def _alarming(self, flow: Flow, points: Triangulation, road: RoadEdges, speed_mps: float) -> Bools:
-        """(N,) points that are met within the bound, in our way."""
+        """(N,) points that are met within the bound, in the car's path."""
         config, camera = self.config, self.camera
         x = (flow.points_px[:, 0] - camera.cx_px) / camera.fx_px
         y = (flow.points_px[:, 1] - camera.cy_px) / camera.fy_px
         drop = np.cos(camera.pitch_rad) * y + np.sin(camera.pitch_rad)
-        way = np.hypot(*(flow.pose[:2] - flow.first_pose[:, :2]).T)
+        travel = np.hypot(*(flow.pose[:2] - flow.first_pose[:, :2]).T)
         with np.errstate(divide="ignore", invalid="ignore"):
             depth = 1.0 / points.inverse_per_m
             aside = x * depth - np.tan(road.heading_rad) * depth - 0.5 * road.curvature_per_m * depth**2
             soon = points.inverse_per_m - 2.0 * points.inverse_sigma_per_m > 1.0 / (
                 config.bound_s * max(speed_mps, 0.5)
             )
-            soon &= (depth > config.least_depth_m) & (np.abs(aside) < config.half_way_m)
+            soon &= (depth > config.least_depth_m) & (np.abs(aside) < config.half_width_m)
             soon &= (drop > config.least_drop) & (camera.height_m - drop * depth < config.ceiling_m)
             soon &= points.chi2 < np.maximum(config.chi2_limit, config.chi2_ratio * points.chi2_ground)
             soon &= points.chi2_ground - points.chi2 > config.chi2_margin
-        alarming: Bools = soon & (way > config.least_baseline_m) & ~flow.stuck
+        alarming: Bools = soon & (travel > config.least_baseline_m) & ~flow.stuck
         return alarming
 
     def _cluster(self, alarming: Bools, flow: Flow, points: Triangulation) -> Obstacles | None:
-        """The body that most of the alarming points make, if they agree and are a body's in size."""
+        """The obstacle of most of the alarming points, if these agree and it is large enough."""
         config = self.config
-        chosen: Integers = np.flatnonzero(alarming).astype(np.int64)
+        chosen = np.flatnonzero(alarming)
         if len(chosen) < config.least_points:
             return None
         inverse = points.inverse_per_m[chosen]
@@ -97,4 +93,4 @@ class CollisionAlarm:
             return None
         face, sigma = self.camera.forward_m + 1.0 / middle, config.agree_ratio / middle
         forward, left, right, sigma_m, ttc = np.array([[face], [across.min()], [across.max()], [sigma], [np.inf]])
-        return Obstacles(forward, left, right, sigma_m, ttc, np.full(1, IDENTITY))
+        return Obstacles(forward, left, right, sigma_m, ttc, np.array([np.iinfo(np.int64).max]))

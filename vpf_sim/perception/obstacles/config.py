@@ -26,12 +26,6 @@ class SinglePointConfig:
     depth_ratio: tuple[float, float] = setting("relative depth errors of a well and a badly known point")
     min_height_m: tuple[float, float] = setting("least heights of these two: ends of dashes seem to stand 0.3 m high")
     max_height_m: float = setting("largest height", ge=0.0)
-    far_m: float = setting("largest depth", ge=0.0)
-
-    def __post_init__(self) -> None:
-        for key in ("depth_ratio", "min_height_m"):
-            if not 0.0 < getattr(self, key)[0] < getattr(self, key)[1]:
-                raise ValueError(f"{key}: expected 0 < first < second, got {getattr(self, key)}")
 
 
 @settings
@@ -51,9 +45,8 @@ class FarRoadConfig:
 
 @settings
 class DashSeedConfig:
-    """Low, far points on a line are no seeds: ends of dashes slide."""
+    """Low points on a line, farther than `precise_m`, are no seeds: ends of dashes slide."""
 
-    far_m: float = setting("depth from which points count as far", ge=0.0)
     height_m: float = setting("height below which they count as low", ge=0.0)
 
 
@@ -90,8 +83,8 @@ class OutlierConfig:
 class SplitConfig:
     """Points behind an obstacle's face and beside it are another obstacle."""
 
-    step_m: float = setting("least distance behind the face, and", ge=0.0)
-    sigmas: float = setting("least distance in standard deviations of the depth", ge=0.0)
+    step_m: float = setting("least distance behind the face, and `sure_sigmas`", ge=0.0)
+    beside_m: float = setting("least distance beside the points at the face", ge=0.0)
     outlier: OutlierConfig | None = setting("single points there define no side", default=None)
 
 
@@ -101,6 +94,8 @@ class FragmentConfig:
 
     behind_m: float = setting("distance behind it from which this holds", ge=0.0)
     length_m: float = setting("distance behind it up to which a cluster in line is a part", ge=0.0)
+    beside_m: float = setting("largest distance beside it of a cluster in line", ge=0.0)
+    rim_rad: float = setting("angle beside it that counts as hidden", ge=0.0)
 
 
 @settings
@@ -137,18 +132,10 @@ class SideOutlierConfig:
 
 
 @settings
-class FaceCorrectionConfig:
-    """Points are moved back for the face, since the nearest quarter of them errs towards the car."""
-
-    sigmas: float = setting("distance in standard deviations of the depth", ge=0.0)
-
-
-@settings
 class NearCornerConfig:
     """An obstacle begins where several points lie nearer than its face: corners that stand at an angle."""
 
     points: int = setting("least number of points", ge=1)
-    sigmas: float = setting("least distance before the face, in standard deviations of the depth", ge=0.0)
 
 
 @settings
@@ -160,19 +147,13 @@ class LowOcclusionConfig:
 
 @settings
 class FreeRoadConfig:
-    """When the road is seen where an obstacle should stand."""
+    """When the road is visible in the place of an obstacle."""
 
     road: float = setting("largest difference of the images that counts as road, in multiples of the noise", ge=0.0)
-    body: float = setting("least difference that counts as an obstacle, in multiples of the noise", ge=0.0)
-    looks: int = setting("observations of road, less those of an obstacle, that delete it", ge=1)
-    way_m: float = setting("travel between two observations: at standstill the image repeats itself", ge=0.0)
-    about_m: tuple[float, float] = setting(
-        "points within this distance, along and across, are deleted with an obstacle"
-    )
-
-    def __post_init__(self) -> None:
-        if not 0.0 < self.road <= self.body:
-            raise ValueError(f"road, body: expected 0 < road <= body, got {self.road}, {self.body}")
+    obstacle: float = setting("least difference that counts as an obstacle, in multiples of the noise", ge=0.0)
+    observations: int = setting("observations of road, less those of an obstacle, that delete it", ge=1)
+    travel_m: float = setting("travel between two observations: at standstill the image repeats itself", ge=0.0)
+    about_m: tuple[float, float] = setting("region, along and across, in which its points are deleted")
 
 
 @settings
@@ -180,12 +161,12 @@ class LoomingConsistencyConfig:
     """Which points belong together, and how little they spread if they are far away."""
 
     baseline_s: float = setting("time over which points are compared", gt=0.0)
-    about_px: float = setting("largest distance between points that belong together", gt=0.0)
-    alike: float = setting("largest difference of their inverse depths, as a share", gt=0.0)
+    near_px: float = setting("largest distance between points that belong together", gt=0.0)
+    depth_ratio: float = setting("largest difference of their inverse depths, as a share", gt=0.0)
     noise_px: float = setting("standard deviation of a point's motion over the baseline", gt=0.0)
-    least: float = setting("least growth, as a share of what the inverse depth predicts", gt=0.0)
-    sure: float = setting("standard deviations by which the growth must differ", gt=0.0)
-    kept_s: float = setting("largest weight of earlier results, as a time", gt=0.0)
+    least_growth: float = setting("least growth, as a share of what the inverse depth predicts", gt=0.0)
+    sigmas: float = setting("standard deviations by which the growth must differ", gt=0.0)
+    memory_s: float = setting("largest weight of earlier results, as a time", gt=0.0)
 
 
 @settings
@@ -225,12 +206,10 @@ class LowObstacleConfig:
     """When a point counts as low, and how many of them make an obstacle."""
 
     near_m: float = setting("nearest depth of a low point", ge=0.0)
-    far_m: float = setting("farthest depth of a low point", ge=0.0)
     min_age_s: float = setting("least age of a track", ge=0.0)
     min_height_m: float = setting("least height above the road", ge=0.0)
     max_height_m: float = setting("largest height above the road", ge=0.0)
     sigma_height_m: float = setting("largest standard deviation of the height", ge=0.0)
-    chi2_limit: float = setting("largest chi2 of a point at its own depth", ge=0.0)
     chi2_margin: float = setting("least excess of the chi2 of a point on the road", ge=0.0)
     line_m: float = setting("points within this distance of a lane line do not count: ends of dashes slide", ge=0.0)
     line_px: float = setting("added to it in the image, half of the flow window", ge=0.0)
@@ -241,26 +220,15 @@ class LowObstacleConfig:
     least_points: int = setting("least number of points", ge=0)
     least_margin: float = setting("least sum of the chi2 margins over the points of an obstacle", ge=0.0)
     most_margin: float = setting("largest margin that one point adds", ge=0.0)
-    least_width_m: float = setting("least reported width", ge=0.0)
     beside_m: float = setting("points this near to a taller obstacle belong to it, unless they stick out", ge=0.0)
     sticks_out_m: float = setting("this far beyond its side: the corner of a car's shadow does not", ge=0.0)
-    sticks_out_share: float = setting(
-        "or by this share of its width: next to a narrow pedestrian any low obstacle does", gt=0.0
-    )
+    sticks_out_share: float = setting("or by this share of its width, beside narrow ones", gt=0.0)
     before_m: float = setting("or this far before its face", ge=0.0)
     single_point: LowSinglePointConfig | None = setting("one clear point is an obstacle", default=None)
     part: NearbyConfig | None = setting("points beside one of a taller obstacle belong to it", default=None)
     shadow: NearbyConfig | None = setting("one more point is needed in the shadow of a taller obstacle", default=None)
     on_top: OnTopConfig | None = setting("a narrower taller obstacle is the upper edge of a low one", default=None)
     parallax: ParallaxMatchConfig | None = setting("low points are matched with planar parallax", default=None)
-
-    def __post_init__(self) -> None:
-        if not 0.0 < self.near_m < self.far_m:
-            raise ValueError(f"near_m, far_m: expected 0 < near < far, got {self.near_m}, {self.far_m}")
-        if not 0.0 < self.min_height_m < self.max_height_m:
-            raise ValueError(
-                f"min_height_m, max_height_m: expected 0 < min < max, got {self.min_height_m}, {self.max_height_m}"
-            )
 
 
 @settings
@@ -276,12 +244,6 @@ class RefinementConfig:
     chi2_margin: float = setting("least excess of the chi2 of a point on the road", ge=0.0)
     road_m: float = setting("a point whose ray meets the road nearer than this is matched as a road point too", gt=0.0)
 
-    def __post_init__(self) -> None:
-        for low, high in (("near_m", "far_m"), ("least_height_m", "most_height_m")):
-            least, most = getattr(self, low), getattr(self, high)
-            if not 0.0 < least < most:
-                raise ValueError(f"{low}, {high}: expected 0 < {low} < {high}, got {least}, {most}")
-
 
 @settings
 class VerificationConfig:
@@ -292,13 +254,8 @@ class VerificationConfig:
     baseline_m: float = setting("travel between the two frames of an observation", ge=0.0)
     nearest_m: float = setting("nearest face, from the camera", ge=0.0)
     farthest_m: float = setting("farthest face, from the camera", ge=0.0)
-    most_bearing: float = setting(
-        "largest tangent of the bearing: farther aside the region leads past the obstacle", gt=0.0
-    )
-    before_m: float = setting("distance before the face at which the region begins", ge=0.0)
-    inside_m: float = setting(
-        "margin inside each side: past an obstacle that narrows upwards the road is visible", ge=0.0
-    )
+    most_bearing: float = setting("largest tangent of the bearing: farther aside regions lead past obstacles", gt=0.0)
+    margin_m: float = setting("road before the face; and inside each side, where obstacles narrow upwards", ge=0.0)
     cell_m: float = setting("width and length of a cell of the region", ge=0.0)
     rows: int = setting("rows of cells", ge=1)
     grain_m: float = setting("spacing of the samples", ge=0.0)
@@ -306,20 +263,14 @@ class VerificationConfig:
     near_grains: int = setting("largest shift that still counts as road, in samples", ge=0)
     least_correlation: float = setting("least correlation at no shift, in a cell that shows road", ge=0.0)
     least_lead: float = setting("least excess over the correlation at any other shift", ge=0.0)
-    most_other: float = setting(
-        "largest correlation at any other shift: contours along the road match at all shifts", gt=0.0, le=1.0
-    )
+    most_other: float = setting("largest correlation at other shifts: contours match at all", gt=0.0, le=1.0)
     road_share: float = setting("least share of road cells, over all observations", ge=0.0)
-    least_looks: int = setting("least number of observations", ge=0)
+    least_observations: int = setting("least number of observations", ge=0)
     moved_m: float = setting("an obstacle that moves farther than this is verified anew", ge=0.0)
 
-    def __post_init__(self) -> None:
-        if not 0.0 < self.nearest_m < self.farthest_m:
-            raise ValueError(f"nearest_m: expected 0 < nearest_m < farthest_m, got {self.nearest_m}")
-
     def across_m(self, width_m: float) -> float:
-        """How much of a body's width is looked at: half of it at least."""
-        return max(width_m - 2.0 * self.inside_m, 0.5 * width_m)
+        """The verified width: inside both sides, at least half of it."""
+        return max(width_m - 2.0 * self.margin_m, 0.5 * width_m)
 
 
 @settings
@@ -327,7 +278,7 @@ class CollisionAlarmConfig:
     """When points in the car's path raise an alarm."""
 
     bound_s: float = setting("largest time to contact", ge=0.0)
-    half_way_m: float = setting("largest distance from the car's course, for points that stand still", ge=0.0)
+    half_width_m: float = setting("largest distance from the car's path", ge=0.0)
     ceiling_m: float = setting("largest height", ge=0.0)
     least_baseline_m: float = setting("least travel since the point's first observation", ge=0.0)
     chi2_limit: float = setting("largest chi2 of a point at its own depth, plus", ge=0.0)
@@ -366,13 +317,13 @@ class StaticObstacleConfig:
     max_height_m: float = setting("largest height above the road", ge=0.0)
     near_m: float = setting("nearest depth", ge=0.0)
     far_m: float = setting("farthest depth", ge=0.0)
+    precise_m: float = setting("farthest depth of low points, and of single ones", ge=0.0)
+    sure_sigmas: float = setting("standard deviations of the depth between separate points", ge=0.0)
     hits_s: float = setting("time after which a point is confirmed", ge=0.0)
     hits_share: float = setting("least share of the frames since then in which it was above the road", ge=0.0)
     steady_m: float = setting("largest change of its place in the world, plus", ge=0.0)
     steady_ratio: float = setting("this share of the depth", ge=0.0)
-    single_hits_s: float = setting(
-        "time after which a single point is confirmed; twice it is the largest count", ge=0.0
-    )
+    single_hits_s: float = setting("time after which a single point is; hits count up to twice this time", ge=0.0)
     edge_margin_m: float = setting("least distance inside the carriageway's edges", ge=0.0)
     corner_texture: float = setting("texture of a clear corner (small eigenvalue, grey levels^2 / px^2)", ge=0.0)
     corner_ratio: float = setting("least ratio of its eigenvalues: edges have 0.2", ge=0.0)
@@ -380,33 +331,19 @@ class StaticObstacleConfig:
     link_right_m: float = setting("points nearer than this, across, belong to one obstacle", ge=0.0)
     link_forward_m: float = setting("the same along the road", ge=0.0)
     face_sigma_m: float = setting("largest standard deviation of a reported obstacle's face", ge=0.0)
-    told_m: float = setting("largest distance of a reported obstacle: depth errors grow with its square", ge=0.0)
+    reported_m: float = setting("largest distance of a reported obstacle: depth errors grow with its square", ge=0.0)
     beside_m: float = setting("margin added to each reported side", ge=0.0)
-    least_width_m: float = setting(
-        "least reported width: a cone's flow comes from its stripes, its base is wider", ge=0.0
-    )
+    least_width_m: float = setting("least reported width: a cone's base is wider than its stripes", ge=0.0)
     behind_m: float = setting("distance behind the car at which an obstacle is pruned", ge=0.0)
     noise: NoiseModel = setting("noise of the point tracks")
     occlusion: OcclusionConfig = setting("regions that obstacles hide")
-    spots: LowTrackConfig = setting("tracks of low obstacles")
-    residual: ParallaxConfig = setting("planar parallax")
-    edge_lines: EdgeLineConfig | None = setting(
-        "edge lines: points near an edge line count only if they are clear corners, since others slide", default=None
-    )
-    low_obstacles: LowObstacleConfig | None = setting(
-        "low obstacles from points: several points a hand's breadth above the road make one", default=None
-    )
-    looming_consistency: LoomingConsistencyConfig | None = setting(
-        "looming consistency: points that expand too little for their distance are far away and are ignored",
-        default=None,
-    )
-    free_road: FreeRoadConfig | None = setting(
-        "free road: obstacles in whose place the road is seen are deleted", default=None
-    )
-    track_refinement: RefinementConfig | None = setting(
-        "track refinement: points that may be obstacles are matched again with their first frame", default=None
-    )
-
+    low_tracks: LowTrackConfig = setting("tracks of low obstacles")
+    planar_parallax: ParallaxConfig = setting("planar parallax")
+    edge_lines: EdgeLineConfig | None = setting("points near an edge line must be clear corners", default=None)
+    low_obstacles: LowObstacleConfig | None = setting("several low points are an obstacle", default=None)
+    looming_consistency: LoomingConsistencyConfig | None = setting("points that expand too little", default=None)
+    free_road: FreeRoadConfig | None = setting("obstacles where the road is visible are deleted", default=None)
+    track_refinement: RefinementConfig | None = setting("points are matched with their first frame", default=None)
     support: SupportConfig | None = setting("obstacles of many points are never rejected", default=None)
     single_point: SinglePointConfig | None = setting("one point may be an obstacle", default=None)
     turned: TurnedConfig | None = setting("near points are ignored while the car is turned", default=None)
@@ -423,13 +360,7 @@ class StaticObstacleConfig:
     sharp_side: SharpSideConfig | None = setting("sides from points that are well known across", default=None)
     sharpest: SharpestConfig | None = setting("sides from the points seen from nearest", default=None)
     side_outlier: SideOutlierConfig | None = setting("one point far outside many defines no side", default=None)
-    face_correction: FaceCorrectionConfig | None = setting("faces are corrected for depth errors", default=None)
+    face_correction: Switch | None = setting("faces are corrected for depth errors", default=None)
     near_corner: NearCornerConfig | None = setting("obstacles begin at their nearest corner", default=None)
     low_occlusion: LowOcclusionConfig | None = setting("low obstacles hide little behind them", default=None)
     rejected_hide_nothing: Switch | None = setting("rejected obstacles hide nothing", default=None)
-
-    def __post_init__(self) -> None:
-        if not 0.0 < self.near_m < self.far_m:
-            raise ValueError(f"near_m, far_m: expected 0 < near < far, got {self.near_m}, {self.far_m}")
-        if self.min_height_m >= self.max_height_m:
-            raise ValueError(f"min_height_m: expected < max_height_m, got {self.min_height_m}")

@@ -1,41 +1,40 @@
-"""Bodies told by mistake: the road is seen where one should stand, over several looks, nearer and nearer.
+"""Obstacles that are none: the road is visible in their place, over several observations, nearer and nearer.
 
-What stands on the road differs from it at its foot and outline in all looks but few, by several times the noise; bare
-road differs so little in every other look. So a few looks that show bare road, against those that show anything else,
-tell the two apart (Wald, Sequential Analysis, 1947, with steps of one).
+The foot and outline of an obstacle differ from the road by several times the noise in nearly all observations; bare
+road differs less in every other one. A few observations of bare road, less those of anything else, tell the two apart
+(Wald, Sequential Analysis, 1947, with steps of one).
 """
 
 import numpy as np
 
 from vpf_sim.geometry import distance_m
 from vpf_sim.perception.obstacles.config import FreeRoadConfig
-from vpf_sim.perception.obstacles.point_hypotheses import Integers
-from vpf_sim.types import Floats
+from vpf_sim.types import Floats, Integers
 
 
 class FreeRoadEvidence:
-    """Counts the looks at each body that is told."""
+    """Counts observations of bare road in the place of each obstacle."""
 
     def __init__(self, config: FreeRoadConfig) -> None:
         self._config = config
         self._score: dict[int, int] = {}
-        self._place_m: Floats = np.full(2, np.inf)  # of the car at the last look
+        self._place_m: Floats = np.full(2, np.inf)  # of the car at the last observation
 
     def record(self, identity: Integers, difference: Floats, place_m: Floats) -> list[int]:
-        """Which of the bodies (N,) a look clears that saw such differences (N,), nan where it saw too little.
+        """Which obstacles (N,) are free road after one more observation, by the image differences (N,); nan: unknown.
 
-        The car is at `place_m` (2,). Parts of a body that fell apart have one identity, and are looked at as one.
+        The car is at `place_m` (2,). Parts of an obstacle have one identity and count together.
         """
-        config, before, cleared = self._config, self._score, []
-        if distance_m(place_m, self._place_m) < config.way_m:
+        config, before, free = self._config, self._score, []
+        if distance_m(place_m, self._place_m) < config.travel_m:
             return []
         self._place_m, self._score = place_m.copy(), {}
         for one in np.unique(identity).tolist():
             parts = np.flatnonzero(identity == one)
             value = float(np.fmax.reduce(difference[parts]))
-            score = max(before.get(one, 0) + (value < config.road) - (value > config.body), 0)
-            if score >= config.looks:
-                cleared += parts.tolist()
+            score = max(before.get(one, 0) + (value < config.road) - (value > config.obstacle), 0)
+            if score >= config.observations:
+                free += parts.tolist()
                 score = 0
             self._score[one] = score
-        return cleared
+        return free

@@ -7,9 +7,8 @@ import numpy as np
 from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
 from vpf_sim.perception.obstacles.moving.track import Detection
-from vpf_sim.perception.obstacles.point_hypotheses import Integers
 from vpf_sim.perception.quantiles import median
-from vpf_sim.types import Bools, Camera, Floats, Flow
+from vpf_sim.types import Bools, Camera, Floats, Flow, Integers
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,9 +18,8 @@ from vpf_sim.perception.obstacles.moving.config import (
 from vpf_sim.perception.obstacles.moving.detection import Apparent
 from vpf_sim.perception.obstacles.moving.place import is_on_carriageway
 from vpf_sim.perception.obstacles.moving.track import MovingTrack
-from vpf_sim.perception.obstacles.point_hypotheses import Integers
 from vpf_sim.perception.quantiles import median
-from vpf_sim.types import Camera, Floats, RoadEdges
+from vpf_sim.types import Camera, Floats, Integers, RoadEdges
 
 WET = (20.0, 50.0)  # points below the road, and all: before the first observation the road mirrors
 

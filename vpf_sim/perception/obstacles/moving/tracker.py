@@ -29,11 +29,11 @@ from vpf_sim.perception.obstacles.moving.mirror import MirrorImages
 from vpf_sim.perception.obstacles.moving.moving_frame import against
 from vpf_sim.perception.obstacles.moving.place import in_outline, is_on_carriageway, thickness
 from vpf_sim.perception.obstacles.moving.track import Detection, MovingTrack
-from vpf_sim.perception.obstacles.point_hypotheses import Integers, among
+from vpf_sim.perception.obstacles.point_hypotheses import among
 from vpf_sim.perception.quantiles import quantile
 from vpf_sim.perception.road.geometry import near_edge_line
 from vpf_sim.perception.schedule import Schedule
-from vpf_sim.types import Bools, Camera, Floats, Flow, Obstacles, RoadEdges
+from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, Obstacles, RoadEdges
 
 OVERLAP_M = 0.1  # of a point beside the silhouette that still speaks for it
 

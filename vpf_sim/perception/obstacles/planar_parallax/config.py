@@ -274,7 +274,6 @@ class LowTrackConfig:
     along_m: float = setting("observations nearer than this are of one track", gt=0.0)
     across_m: float = setting("observations nearer than this are of one track", gt=0.0)
     newest: float = setting("weight of the newest observation for place and sides", gt=0.0, le=1.0)
-    edge_m: float = setting("inside the carriageway's edges")
     sigma_m: float = setting("of the face of a low obstacle", gt=0.0)
     beside_m: float = setting("a track so near a taller obstacle belongs to it,", ge=0.0)
     sticks_out_m: float = setting("unless it reaches so far out of it,", ge=0.0)

@@ -38,29 +38,29 @@ class LowObstacleTracks:
         self.config = config
         self._near_m = near_m
         self._next_identity = next_identity
-        self._known: list[_Track] = []
+        self.tracks: list[_Track] = []
         self._fresh_rate = 0.0  # new tracks per observation
 
     def record(self, spots: list[LowObservation], pose: Floats) -> None:
         """Add one observation by the vehicle at `pose`."""
-        before = len(self._known)
-        for one in self._known:
+        before = len(self.tracks)
+        for one in self.tracks:
             if self._forward_m(one, pose) > self._near_m:
                 one.misses += 1
         for spot in spots:
             self._count(spot, pose)
         if self.config.clutter is not None:
-            fresh = sum(one.hits > 0 for one in self._known[before:])
+            fresh = sum(one.hits > 0 for one in self.tracks[before:])
             self._fresh_rate += (fresh - self._fresh_rate) / self.config.clutter.looks
-        self._known = [one for one in self._known if self._is_kept(one, pose)]
+        self.tracks = [one for one in self.tracks if self._is_kept(one, pose)]
 
     def bodies(self, pose: Floats) -> Obstacles:
         """The confirmed tracks, in the axes of the vehicle at `pose`."""
-        return self._obstacles([one for one in self._known if one.identity is not None], pose)
+        return self._obstacles([one for one in self.tracks if one.identity is not None], pose)
 
     def tentative(self, pose: Floats) -> Obstacles:
         """The tentative tracks that were observed again, in the axes of the vehicle at `pose`."""
-        return self._obstacles([one for one in self._known if one.identity is None and self._is_reported(one)], pose)
+        return self._obstacles([one for one in self.tracks if one.identity is None and self._is_reported(one)], pose)
 
     def _is_reported(self, one: _Track) -> bool:
         """Whether a tentative track came nearer, or, hidden until it is too near for that, was sure each time."""
@@ -81,13 +81,13 @@ class LowObstacleTracks:
 
     def forget(self, identity: int) -> None:
         """Remove a confirmed track that turned out to be road."""
-        self._known = [one for one in self._known if one.identity != identity]
+        self.tracks = [one for one in self.tracks if one.identity != identity]
 
     def keep(self, stands: Callable[[Floats], Bools], pose: Floats) -> None:
         """Remove tracks where `stands` is false, (N,) by places (N, 2) in the axes of the vehicle at `pose`."""
-        if self._known:
-            places = vehicle_from_world(np.array([one.place_m for one in self._known]), pose)
-            self._known = [one for one, stays in zip(self._known, stands(places), strict=True) if stays]
+        if self.tracks:
+            places = vehicle_from_world(np.array([one.place_m for one in self.tracks]), pose)
+            self.tracks = [one for one, stays in zip(self.tracks, stands(places), strict=True) if stays]
 
     def _count(self, spot: LowObservation, pose: Floats) -> None:
         """Add an observation to its track, or begin one; a truncated one has no place."""
@@ -97,7 +97,7 @@ class LowObstacleTracks:
         if one is None:
             if not truncated:
                 hits, sure = self._count_of(spot), int(spot.sure)
-                self._known.append(_Track(place, spot.width_m, pose.copy(), spot.forward_m, hits, sure))
+                self.tracks.append(_Track(place, spot.width_m, pose.copy(), spot.forward_m, hits, sure))
             return
         one.hits, one.sure, one.sightings = one.hits + self._count_of(spot), one.sure + spot.sure, one.sightings + 1
         one.misses, one.truncated = 0, truncated
@@ -124,7 +124,7 @@ class LowObstacleTracks:
 
     def _known_at(self, here: Floats, pose: Floats) -> _Track | None:
         """The first track about a place."""
-        for one in self._known:
+        for one in self.tracks:
             gap = np.abs(vehicle_from_world(one.place_m, pose) - here)
             if gap[0] < self.config.along_m and gap[1] < self.config.across_m:
                 return one
