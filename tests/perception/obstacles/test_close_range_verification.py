@@ -1,4 +1,4 @@
-"""Walking up to a body that was told: road in its place refutes it, a flat pallet or bare paint does not."""
+"""Walking up to an obstacle that was reported: road in its place refutes it, a flat pallet or bare paint does not."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -57,7 +57,7 @@ def pallet(x_m: float, left_m: float = LEFT_M, right_m: float = RIGHT_M) -> Imag
     return np.clip(np.where(on, top, road), 0.0, 255.0).astype(np.uint8)
 
 
-def told(x_m: float, name: int, face_m: float = FACE_M, side_m: float = RIGHT_M) -> Obstacles:
+def reported(x_m: float, name: int, face_m: float = FACE_M, side_m: float = RIGHT_M) -> Obstacles:
     place = vehicle_from_world(np.array([[face_m, 0.0]]), np.array([x_m, 0.0, 0.0]))[0]
     one = [np.array([value]) for value in (place[0], -side_m, side_m, 0.3, np.inf)]
     return Obstacles(*one, identity=np.array([name]))
@@ -66,71 +66,74 @@ def told(x_m: float, name: int, face_m: float = FACE_M, side_m: float = RIGHT_M)
 def walk(
     view: Callable[[float], Image], speed_mps: float = 1.0, face_m: float = FACE_M
 ) -> tuple[CloseRangeVerifier, int]:
-    """Walk from 6 m before the face to 3.5 m; the looker, and how many bodies are left."""
-    looker, left = CloseRangeVerifier(CAMERA, CONFIG), 1
+    """Walk from 6 m before the face to 3.5 m; the verifier, and how many obstacles are left."""
+    verifier, left = CloseRangeVerifier(CAMERA, CONFIG), 1
     for x in np.arange(FACE_M - 6.0, FACE_M - 3.5, 0.05):
-        left = len(looker.update(view(float(x)), np.array([x, 0.0, 0.0]), told(float(x), 7, face_m), speed_mps))
-    return looker, left
+        left = len(verifier.update(view(float(x)), np.array([x, 0.0, 0.0]), reported(float(x), 7, face_m), speed_mps))
+    return verifier, left
 
 
-def test_where_the_road_is_seen_there_is_no_body() -> None:
+def test_an_obstacle_on_visible_road_is_rejected() -> None:
     assert walk(empty)[1] == 0
 
 
 @pytest.mark.parametrize("view", [pallet, bare])
-def test_what_stands_stays(view: Callable[[float], Image]) -> None:
+def test_a_pallet_and_dark_paint_stay(view: Callable[[float], Image]) -> None:
     assert walk(view)[1] == 1
 
 
 @pytest.mark.parametrize("side_m", [1.3, 1.8])
-def test_a_wide_body_that_is_narrow_in_truth_stays(side_m: float) -> None:
-    looker, left = CloseRangeVerifier(CAMERA, CONFIG), 1
+def test_an_obstacle_reported_too_wide_stays(side_m: float) -> None:
+    verifier, left = CloseRangeVerifier(CAMERA, CONFIG), 1
     for x in np.arange(FACE_M - 6.0, FACE_M - 3.5, 0.05).tolist():
-        told_wide = told(x, 7, side_m=side_m)
-        left = len(looker.update(pallet(x, 0.1, 0.6), np.array([x, 0.0, 0.0]), told_wide, 1.0))
+        reported_wide = reported(x, 7, side_m=side_m)
+        left = len(verifier.update(pallet(x, 0.1, 0.6), np.array([x, 0.0, 0.0]), reported_wide, 1.0))
     assert left == 1
 
 
-def test_parts_of_one_body_are_looked_at_each_in_its_place() -> None:
-    looker, left = CloseRangeVerifier(CAMERA, CONFIG), 2
+def test_each_part_of_an_obstacle_is_verified() -> None:
+    verifier, left = CloseRangeVerifier(CAMERA, CONFIG), 2
     for x in np.arange(FACE_M - 6.0, FACE_M - 3.5, 0.05).tolist():
-        near, far = told(x, 7), told(x, 7, FACE_M + 1.5)
+        near, far = reported(x, 7), reported(x, 7, FACE_M + 1.5)
         both = Obstacles(*(np.concatenate([getattr(near, name), getattr(far, name)]) for name in Obstacles.__slots__))
-        left = len(looker.update(empty(x), np.array([x, 0.0, 0.0]), both, 1.0))
+        left = len(verifier.update(empty(x), np.array([x, 0.0, 0.0]), both, 1.0))
     assert left == 0
 
 
 @pytest.mark.parametrize("near_m", [0.6, 1.0])
-def test_a_body_that_is_told_too_near_stays(near_m: float) -> None:
-    """From afar its upper edge is seen farther back by another 0.6 m, and what is told of it lies on the road."""
-    looker = CloseRangeVerifier(CAMERA, CONFIG)
+def test_an_obstacle_reported_too_near_stays(near_m: float) -> None:
+    """From afar its upper edge is seen farther back by another 0.6 m, and what is reported of it lies on the road."""
+    verifier = CloseRangeVerifier(CAMERA, CONFIG)
     for x in np.arange(FACE_M - 7.0, FACE_M - 3.0, 0.05).tolist():
-        assert len(looker.update(pallet(x), np.array([x, 0.0, 0.0]), told(x, 7, FACE_M - near_m), 1.0)) == 1
+        assert len(verifier.update(pallet(x), np.array([x, 0.0, 0.0]), reported(x, 7, FACE_M - near_m), 1.0)) == 1
 
 
 @pytest.mark.parametrize(("middle_m", "left"), [(1.0, 0), (-1.0, 0), (3.0, 1), (-3.0, 1)])
-def test_no_look_is_taken_far_aside(middle_m: float, left: int) -> None:
+def test_far_aside_nothing_is_verified(middle_m: float, left: int) -> None:
     """There the place, away from the camera, leads past what stands: road says nothing."""
-    looker, there = CloseRangeVerifier(CAMERA, CONFIG), 1
+    verifier, there = CloseRangeVerifier(CAMERA, CONFIG), 1
     for x in np.arange(FACE_M - 6.0, FACE_M - 3.5, 0.05):
-        one = told(float(x), 7)
+        one = reported(float(x), 7)
         one = replace(one, left_m=one.left_m + middle_m, right_m=one.right_m + middle_m)
-        there = len(looker.update(empty(float(x)), np.array([x, 0.0, 0.0]), one, 1.0))
+        there = len(verifier.update(empty(float(x)), np.array([x, 0.0, 0.0]), one, 1.0))
     assert there == left
 
 
-def test_no_look_is_taken_at_speed() -> None:
+def test_at_speed_nothing_is_verified() -> None:
     assert walk(empty, speed_mps=CONFIG.slow_mps)[1] == 1
 
 
-def test_a_refuted_body_that_is_told_elsewhere_is_another() -> None:
-    looker, _ = walk(empty)
+def test_a_rejected_obstacle_that_is_reported_elsewhere_is_another() -> None:
+    verifier, _ = walk(empty)
     x, pose = FACE_M - 3.5, np.array([FACE_M - 3.5, 0.0, 0.0])
-    assert len(looker.update(empty(x), pose, told(x, 7), 5.0)) == 0
+    assert len(verifier.update(empty(x), pose, reported(x, 7), 5.0)) == 0
     for speed_mps in (1.0, 5.0):
-        assert len(looker.update(empty(x), pose, told(x, 7), speed_mps, lambda bodies: bodies.identity == 7)) == 1
-    assert len(looker.update(empty(x), pose, told(x, 8), 5.0)) == 1
-    assert len(looker.update(empty(x), pose, told(x, 7, FACE_M + 2.0 * CONFIG.moved_m), 5.0)) == 1
+        assert (
+            len(verifier.update(empty(x), pose, reported(x, 7), speed_mps, lambda obstacles: obstacles.identity == 7))
+            == 1
+        )
+    assert len(verifier.update(empty(x), pose, reported(x, 8), 5.0)) == 1
+    assert len(verifier.update(empty(x), pose, reported(x, 7, FACE_M + 2.0 * CONFIG.moved_m), 5.0)) == 1
 
 
 def test_half_of_a_narrow_obstacle_is_verified() -> None:
@@ -141,7 +144,7 @@ POST_M, POST_WIDTH_M, POST_HEIGHT_M = -1.9, 0.35, 0.75  # its middle, beside our
 
 
 def post(x_m: float) -> Image:
-    """A narrow body that stands beside our way: road is seen past it on both sides."""
+    """A narrow obstacle that stands beside our way: road is seen past it on both sides."""
     road = _sampled(ROAD, 0.0, x_m)[0]
     right, down = _rays()
     depth = FACE_M - x_m - CAMERA.forward_m
@@ -152,17 +155,17 @@ def post(x_m: float) -> Image:
     return np.clip(np.where(on, grain, road), 0.0, 255.0).astype(np.uint8)
 
 
-def test_a_narrow_body_beside_our_way_stays() -> None:
-    looker = CloseRangeVerifier(CAMERA, CONFIG)
+def test_a_narrow_obstacle_beside_the_path_stays() -> None:
+    verifier = CloseRangeVerifier(CAMERA, CONFIG)
     for x in np.arange(FACE_M - 7.0, FACE_M - 3.5, 0.05):
         ahead = np.array([FACE_M - float(x) + 0.1])
         sides = (np.array([POST_M - 0.1]), np.array([POST_M + 0.1]))
-        bodies = Obstacles(ahead, *sides, np.array([0.3]), np.array([np.inf]), identity=np.array([7]))
-        assert len(looker.update(post(float(x)), np.array([x, 0.0, 0.0]), bodies, 1.0)) == 1
+        obstacles = Obstacles(ahead, *sides, np.array([0.3]), np.array([np.inf]), identity=np.array([7]))
+        assert len(verifier.update(post(float(x)), np.array([x, 0.0, 0.0]), obstacles, 1.0)) == 1
 
 
 def plain(x_m: float, place_m: float, paint: Callable[[Floats, Floats], Floats]) -> Image:
-    """A body without grain at `place_m` across: `paint` tells its grey by place across it and height, nan beside it."""
+    """A plain obstacle at `place_m`: `paint` gives its grey level by place across and height, nan beside it."""
     right, down = _rays()
     depth = FACE_M - x_m - CAMERA.forward_m
     across, height = depth * right - place_m, CAMERA.height_m - depth * down
@@ -182,11 +185,11 @@ def leaning(across_m: Floats, height_m: Floats) -> Floats:
 
 
 @pytest.mark.parametrize(("place_m", "half_m", "paint"), [(-1.9, 0.2, cone), (1.2, 0.2, cone), (-1.2, 0.4, leaning)])
-def test_a_plain_body_whose_outline_alone_is_seen_stays(
+def test_a_plain_obstacle_of_which_only_the_outline_is_visible_stays(
     place_m: float, half_m: float, paint: Callable[[Floats, Floats], Floats]
 ) -> None:
-    looker, one = CloseRangeVerifier(CAMERA, CONFIG), np.ones(1)
+    verifier, one = CloseRangeVerifier(CAMERA, CONFIG), np.ones(1)
     for x in np.arange(FACE_M - 7.0, FACE_M - 2.8, 0.05).tolist():
         sides = (place_m - half_m) * one, (place_m + half_m) * one
         body = Obstacles((FACE_M - x) * one, *sides, 0.1 * one, one, np.array([7]))
-        assert len(looker.update(plain(x, place_m, paint), np.array([x, 0.0, 0.0]), body, 1.0)) == 1
+        assert len(verifier.update(plain(x, place_m, paint), np.array([x, 0.0, 0.0]), body, 1.0)) == 1

@@ -26,8 +26,8 @@ def seen(corners_m: Floats, distance_m: Floats | float, time_s: float, born_s: f
     return Flow(points, zero, np.zeros(count), poses, pose, identity, points, poses, whole, np.zeros((count, 2, 2)))
 
 
-def approached(spread: LoomingConsistency, count: int, stands: bool, now_m: float, born_s: float = 0.0) -> None:
-    """Record 1 s of the corners of a body that stands, or of one five times as far off and as large that drives as
+def approached(looming: LoomingConsistency, count: int, stands: bool, now_m: float, born_s: float = 0.0) -> None:
+    """Record 1 s of the corners of an obstacle that stands, or of one five times as far off and as large that drives as
     fast as we do and across, so that it seems to be where the first is."""
     times_s = np.arange(0.0, 1.01, 1.0 / RATE_HZ)
     for time_s in times_s:
@@ -36,75 +36,75 @@ def approached(spread: LoomingConsistency, count: int, stands: bool, now_m: floa
         if stands:
             flow = seen(CORNERS_M[:count] + np.array([1.5, 0.0]), distance_m, time_s, born_s)
         else:
-            bearing = 1.5 / distance_m  # of the body that stands
+            bearing = 1.5 / distance_m  # of the obstacle that stands
             flow = seen(5.0 * CORNERS_M[:count] + np.array([5.0 * now_m * bearing, 0.0]), 5.0 * now_m, time_s, born_s)
-        spread.record(flow)
+        looming.record(flow)
 
 
-def told(spread: LoomingConsistency, count: int, now_m: float) -> list[bool]:
-    return spread.keeps_together(np.arange(count), np.full(count, 1.0 / now_m)).tolist()
+def reported(looming: LoomingConsistency, count: int, now_m: float) -> list[bool]:
+    return looming.keeps_together(np.arange(count), np.full(count, 1.0 / now_m)).tolist()
 
 
 def keeps_together(count: int, stands: bool, now_m: float, born_s: float = 0.0) -> list[bool]:
-    """What is told of them then."""
-    spread = LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ)
-    approached(spread, count, stands, now_m, born_s)
-    return told(spread, count, now_m)
+    """What is reported of them then."""
+    looming = LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ)
+    approached(looming, count, stands, now_m, born_s)
+    return reported(looming, count, now_m)
 
 
 @pytest.mark.parametrize("now_m", [6.0, 12.0])
-def test_what_is_far_off_and_drives_across_does_not_draw_apart(now_m: float) -> None:
+def test_a_far_car_that_drives_across_keeps_together(now_m: float) -> None:
     assert keeps_together(4, False, now_m) == [True] * 4
     assert keeps_together(4, True, now_m) == [False] * 4
 
 
-def test_one_point_or_young_ones_tell_nothing() -> None:
+def test_one_point_or_young_ones_are_not_judged() -> None:
     assert keeps_together(2, False, 6.0) == [True] * 2
     assert keeps_together(1, False, 6.0) == [False]
     assert keeps_together(4, False, 12.0, born_s=0.8) == [False] * 4
 
 
-def test_what_a_point_was_found_to_be_holds_while_it_is_alone_and_followed() -> None:
-    spread = LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ)
-    approached(spread, 2, False, 6.0)
-    assert told(spread, 2, 6.0) == [True] * 2
-    assert told(spread, 1, 6.0) == [True]
-    spread.record(seen(CORNERS_M[:2], 6.0, 0.0, 1.0))  # other tracks
-    approached(spread, 1, False, 6.0)
-    assert told(spread, 1, 6.0) == [False]
+def test_a_result_holds_while_a_point_is_alone_and_followed() -> None:
+    looming = LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ)
+    approached(looming, 2, False, 6.0)
+    assert reported(looming, 2, 6.0) == [True] * 2
+    assert reported(looming, 1, 6.0) == [True]
+    looming.record(seen(CORNERS_M[:2], 6.0, 0.0, 1.0))  # other tracks
+    approached(looming, 1, False, 6.0)
+    assert reported(looming, 1, 6.0) == [False]
 
 
-def test_a_wiper_before_the_points_leaves_what_was_found() -> None:
-    spread = LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ)
-    approached(spread, 2, False, 6.0)
-    assert told(spread, 2, 6.0) == [True] * 2
+def test_a_wiper_leaves_results() -> None:
+    looming = LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ)
+    approached(looming, 2, False, 6.0)
+    assert reported(looming, 2, 6.0) == [True] * 2
     nothing = seen(CORNERS_M[:0], 6.0, 1.0, 0.0)
-    spread.record(replace(nothing, covered=np.arange(2)))
-    spread.record(seen(5.0 * CORNERS_M[:1], 30.0, 1.0, 0.0))
-    assert told(spread, 1, 6.0) == [True]
+    looming.record(replace(nothing, covered=np.arange(2)))
+    looming.record(seen(5.0 * CORNERS_M[:1], 30.0, 1.0, 0.0))
+    assert reported(looming, 1, 6.0) == [True]
 
 
-def test_more_verdicts_than_are_kept_are_undone_by_as_many_others() -> None:
-    spread, kept = (
+def test_results_are_limited() -> None:
+    looming, kept = (
         LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ),
         round(section("static_obstacles.looming_consistency").memory_s * RATE_HZ),
     )
-    approached(spread, 2, False, 6.0)
+    approached(looming, 2, False, 6.0)
     for _ in range(3 * kept):
-        assert told(spread, 2, 6.0) == [True] * 2
-    approached(spread, 2, True, 6.0)
-    found = [told(spread, 2, 6.0) for _ in range(kept)]
+        assert reported(looming, 2, 6.0) == [True] * 2
+    approached(looming, 2, True, 6.0)
+    found = [reported(looming, 2, 6.0) for _ in range(kept)]
     assert found == [[True] * 2] * (kept - 1) + [[False] * 2]
 
 
-def test_points_of_other_things_are_not_compared() -> None:
+def test_points_of_other_objects_are_not_compared() -> None:
     """Each by itself beside a far tree line, 40 px apart, or at another depth."""
-    spread = LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ)
+    looming = LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ)
     apart = np.array([[1.5, 0.0], [3.5, 0.0], [5.5, 0.0]])
     for frame in range(11):
-        spread.record(seen(apart, 12.0, frame / RATE_HZ, 0.0))
-    assert spread.keeps_together(np.arange(3), np.full(3, 1.0 / 12.0)).tolist() == [False] * 3
-    spread = LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ)
+        looming.record(seen(apart, 12.0, frame / RATE_HZ, 0.0))
+    assert looming.keeps_together(np.arange(3), np.full(3, 1.0 / 12.0)).tolist() == [False] * 3
+    looming = LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ)
     for frame in range(11):
-        spread.record(seen(CORNERS_M[:3], 12.0, frame / RATE_HZ, 0.0))
-    assert spread.keeps_together(np.arange(3), 1.0 / np.array([4.0, 9.0, 20.0])).tolist() == [False] * 3
+        looming.record(seen(CORNERS_M[:3], 12.0, frame / RATE_HZ, 0.0))
+    assert looming.keeps_together(np.arange(3), 1.0 / np.array([4.0, 9.0, 20.0])).tolist() == [False] * 3
