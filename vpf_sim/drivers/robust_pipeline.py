@@ -2,17 +2,13 @@
 
 from functools import partial
 
-import numpy as np
-
 from vpf_sim.drivers.frame_state import FrameState
 from vpf_sim.drivers.paper_pipeline import FEEDBACK, INPUTS, CommonStages, FrameTrackers
 from vpf_sim.perception.contrast import contrast
 from vpf_sim.perception.egomotion.keyframes import KeyframeBuffer
 from vpf_sim.perception.egomotion.triangulation import Triangulation
-from vpf_sim.perception.obstacles.close_range_verification import CloseRangeVerifier
 from vpf_sim.perception.obstacles.config import StaticObstacleConfig
 from vpf_sim.perception.obstacles.moving.tracker import MovingObstacleTracker
-from vpf_sim.perception.obstacles.point_hypotheses import among
 from vpf_sim.perception.obstacles.static_tracker import StaticObstacleTracker
 from vpf_sim.pipeline import Pipeline, stage
 from vpf_sim.planning.variant import Variant
@@ -23,7 +19,6 @@ from vpf_sim.types import (
     Floats,
     Flow,
     Image,
-    Integers,
     LowObstacleRange,
     Observation,
     Obstacles,
@@ -36,7 +31,7 @@ def robust_pipeline(
 ) -> Pipeline[FrameState]:
     """The stages from a frame to obstacles and road.
 
-    `obstacles` of the last frame hide the road in this one; what verification rejects hides nothing in the next.
+    `obstacles` of the last frame hide the road in this one.
     """
     common = CommonStages(setup, variant, trackers)
     its = ObstacleStages(setup, variant, trackers, config)
@@ -44,16 +39,14 @@ def robust_pipeline(
         *common.egomotion(),
         stage("keyframe", its.remember_frame, "grey"),
         common.road(),
-        stage("contrast", its.contrast_image, "observation grey pose", "contrast"),
+        stage("contrast", its.contrast_image, "observation grey", "contrast"),
         stage("moving_prediction", its.predict_moving, "pose observation", "moving"),
         stage("planar_parallax", its.compare_road, "contrast pose road moving observation"),
         stage("triangulation", its.triangulate, "steady_flow", "points"),
         stage("moving_obstacles", its.track_moving, "steady_flow points road observation", "on_moving"),
         stage("track_refinement", its.refine, "flow steady_flow points road", "points"),
         stage("static_obstacles", its.track_static, "steady_flow road observation points on_moving", "detected"),
-        stage("all_obstacles", its.join_moving, "steady_flow observation detected", "detected"),
-        stage("close_range_verification", its.verify, "contrast pose detected observation", "obstacles rejected"),
-        stage("rejection", its.reject, "rejected"),
+        stage("all_obstacles", its.join_moving, "steady_flow observation detected", "obstacles"),
         stage("sensing_range", its.sensing_range, "observation pose", "low_range_m tentative"),
         common.point_features(),
         common.mount_pitch(),
@@ -73,8 +66,6 @@ class ObstacleStages:
         self._moving = (
             MovingObstacleTracker(camera, variant.moving_obstacles, rate_hz) if variant.moving_obstacles else None
         )
-        verification = variant.close_range_verification
-        self._verifier = CloseRangeVerifier(camera, verification) if verification else None
         self._keyframes = _keyframes(camera, variant, config, rate_hz)
 
     def remember_frame(self, grey: Image) -> None:
@@ -82,15 +73,14 @@ class ObstacleStages:
         if self._keyframes is not None:
             self._keyframes.note(grey)
 
-    def contrast_image(self, observation: Observation, grey: Image, pose: Floats) -> Image | None:
+    def contrast_image(self, observation: Observation, grey: Image) -> Image | None:
         """The image in which the road is compared, without the camera's pitch; None beneath the wiper.
 
         Where nobody compares this frame, the grey image will do.
         """
         if self._trackers.flow.is_swept:
             return None
-        verifies = self._verifier is not None and self._verifier.needs_frame(pose, observation.speed_mps)
-        if not self._static.needs_next_frame and not verifies:
+        if not self._static.needs_next_frame:
             return grey
         view, pitch = contrast(observation.image, grey), self._trackers.pitch
         return view if pitch is None else pitch.frame(view)
@@ -136,19 +126,6 @@ class ObstacleStages:
         if self._moving is None or not self._moving.reports:
             return static
         return self._moving.obstacles(steady.pose, observation.speed_mps, static)
-
-    def verify(
-        self, image: Image | None, pose: Floats, detected: Obstacles, observation: Observation
-    ) -> tuple[Obstacles, Integers]:
-        """The obstacles without those in whose place the road is seen from near, and the identities of these."""
-        if self._verifier is None:
-            return detected, np.empty(0, np.int64)
-        verified = self._verifier.update(image, pose, detected, observation.speed_mps, self._static.is_verified)
-        return verified, detected.identity[~among(detected.identity, verified.identity)]
-
-    def reject(self, identity: Integers) -> None:
-        """Rejected obstacles hide nothing of the road in the next frame."""
-        self._static.reject(identity)
 
     def sensing_range(self, observation: Observation, pose: Floats) -> tuple[LowObstacleRange, Obstacles]:
         """How far low obstacles are detected, and the tentative ones."""

@@ -149,42 +149,17 @@ def test_imprecise_or_low_points_support_no_obstacle_well(sigma_m: float, low: b
 
 
 @pytest.mark.parametrize(
-    ("points", "middle_m", "sure"),
-    [(True, 0.1, [True]), (True, None, [False]), (False, 0.1, [False]), (True, 3.0, [False, False])],
-    ids=["both", "points", "a spot", "apart"],
-)
-def test_a_low_obstacle_of_points_and_parallax_is_verified(
-    points: bool, middle_m: float | None, sure: list[bool]
-) -> None:
-    low = [[40.0, -0.38, 0.15], [40.0, -0.3, 0.15], [40.3, -0.36, 0.14]]
-    drive, found = Drive(np.concatenate([*([low] if points else []), road_points(100)])), tracker()
-    for k in range(355):
-        obstacles = drive.run(found, range(k, k + 1))[-1]
-        forward_m = 40.0 - drive.pose(k)[0]
-        if middle_m is not None and forward_m < 16.0 and k % 6 == 0:
-            found.low_tracks.record(
-                [LowObservation(forward_m, middle_m - 0.4, middle_m + 0.4, gain=20.0)], drive.pose(k)
-            )
-    assert found.is_verified(obstacles).tolist() == sure
-
-
-@pytest.mark.parametrize(
-    ("behind_m", "height_m", "rejected", "visible"),
+    ("behind_m", "height_m", "visible"),
     [
-        (2.2, 0.15, False, True),
-        (1.4, 0.15, False, False),  # its own far edge, or what it hides
-        (2.2, 1.4, False, False),
-        (1.4, 1.4, True, True),  # it was reported too near, and this is it
+        (2.2, 0.15, True),
+        (1.4, 0.15, False),  # its own far edge, or what it hides
+        (2.2, 1.4, False),
     ],
 )
-def test_low_obstacles_hide_little_and_rejected_ones_nothing(
-    behind_m: float, height_m: float, rejected: bool, visible: bool
-) -> None:
+def test_low_obstacles_hide_little(behind_m: float, height_m: float, visible: bool) -> None:
     drive, found = Drive(np.concatenate([standing(height_m), road_points(100)])), tracker()
     ahead = drive.run(found, range(370))[-1]
     assert len(ahead) == 1
-    if rejected:
-        found.reject(ahead.identity)
     low = LowObservation(float(ahead.forward_m[0]) + behind_m, -0.2, 0.2, 30.0)
     found.parallax = SimpleNamespace(
         needs_next_frame=True,
@@ -197,15 +172,12 @@ def test_low_obstacles_hide_little_and_rejected_ones_nothing(
     assert len(found.low_tracks.tracks) == visible
 
 
-@pytest.mark.parametrize("rejected", [False, True])
-def test_the_road_behind_an_obstacle_is_ignored_unless_that_was_rejected(rejected: bool) -> None:
+def test_the_road_behind_an_obstacle_is_ignored() -> None:
     drive, found, hidden = Drive(np.concatenate([standing(1.4), road_points(100)])), tracker(), list[int]()
-    ahead = drive.run(found, range(370))[-1]
+    assert len(drive.run(found, range(370))[-1]) == 1
     found.parallax = SimpleNamespace(looks=True, update=lambda _image, _pose, corners: hidden.append(len(corners)))  # type: ignore[assignment]
-    if rejected:
-        found.reject(ahead.identity)
     found.compare_road(np.zeros((480, 640), np.uint8), drive.pose(369), drive.road, speed_mps=5.0)
-    assert hidden == [0 if rejected else 1]
+    assert hidden == [1]
 
 
 def standing(height_m: float) -> Floats:

@@ -198,7 +198,6 @@ class ParallaxMatchConfig:
 
     along_m: float = setting("largest distance along the road", gt=0.0)
     width: Switch | None = setting("the obstacle is as wide as planar parallax measures it", default=None)
-    verified: Switch | None = setting("an obstacle of both is not rejected from near", default=None)
 
 
 @settings
@@ -243,34 +242,6 @@ class RefinementConfig:
     chi2_limit: float = setting("largest chi2 of a point at its own depth", ge=0.0)
     chi2_margin: float = setting("least excess of the chi2 of a point on the road", ge=0.0)
     road_m: float = setting("a point whose ray meets the road nearer than this is matched as a road point too", gt=0.0)
-
-
-@settings
-class VerificationConfig:
-    """When an obstacle is verified from near, and when the road is seen in its place."""
-
-    slow_mps: float = setting("largest speed at which obstacles are verified", ge=0.0)
-    step_m: float = setting("travel between two observations", ge=0.0)
-    baseline_m: float = setting("travel between the two frames of an observation", ge=0.0)
-    nearest_m: float = setting("nearest face, from the camera", ge=0.0)
-    farthest_m: float = setting("farthest face, from the camera", ge=0.0)
-    most_bearing: float = setting("largest tangent of the bearing: farther aside regions lead past obstacles", gt=0.0)
-    margin_m: float = setting("road before the face; and inside each side, where obstacles narrow upwards", ge=0.0)
-    cell_m: float = setting("width and length of a cell of the region", ge=0.0)
-    rows: int = setting("rows of cells", ge=1)
-    grain_m: float = setting("spacing of the samples", ge=0.0)
-    shift_grains: int = setting("largest shift that is tried, in samples", ge=0)
-    near_grains: int = setting("largest shift that still counts as road, in samples", ge=0)
-    least_correlation: float = setting("least correlation at no shift, in a cell that shows road", ge=0.0)
-    least_lead: float = setting("least excess over the correlation at any other shift", ge=0.0)
-    most_other: float = setting("largest correlation at other shifts: contours match at all", gt=0.0, le=1.0)
-    road_share: float = setting("least share of road cells, over all observations", ge=0.0)
-    least_observations: int = setting("least number of observations", ge=0)
-    moved_m: float = setting("an obstacle that moves farther than this is verified anew", ge=0.0)
-
-    def across_m(self, width_m: float) -> float:
-        """The verified width: inside both sides, at least half of it."""
-        return max(width_m - 2.0 * self.margin_m, 0.5 * width_m)
 
 
 @settings
@@ -363,4 +334,3 @@ class StaticObstacleConfig:
     face_correction: Switch | None = setting("faces are corrected for depth errors", default=None)
     near_corner: NearCornerConfig | None = setting("obstacles begin at their nearest corner", default=None)
     low_occlusion: LowOcclusionConfig | None = setting("low obstacles hide little behind them", default=None)
-    rejected_hide_nothing: Switch | None = setting("rejected obstacles hide nothing", default=None)

@@ -36,7 +36,6 @@ class ObstacleClusters:
         self._camera, self._config, self._points = camera, config, points
         self._single_hits = frames(config.single_hits_s, rate_hz)
         self._next = 0
-        self.cross_confirmed = NONE  # identities of low obstacles from points and planar parallax
         self.fragments = NONE  # tracks of points that parted from an obstacle and are none
         self.gone = NONE  # tracks of high obstacles that were not observed again from nearer
 
@@ -48,7 +47,7 @@ class ObstacleClusters:
         """Tall obstacles; then all, with those of low points and low `tracks`. In vehicle axes at `pose`."""
         points, config = self._points, self._config
         low, alone, behind_m = config.low_obstacles, config.low_tracks, config.link_forward_m
-        self.cross_confirmed = self.fragments = self.gone = NONE
+        self.fragments = self.gone = NONE
         tall = self._of_points(points.confirmed & ~points.low, config, self.are_tall, pose, road)
         tall = widen(tall, np.maximum(tall.width_m + 2.0 * config.beside_m, config.least_width_m))
         found = tall
@@ -56,8 +55,6 @@ class ObstacleClusters:
             flat = self._flat(tall, pose, road, low)
             if low.parallax is not None:
                 nearest, both = match_tracks(flat, tracks, low.parallax.along_m, low.beside_m)
-                if low.parallax.verified is not None:
-                    self.cross_confirmed = flat.identity[both]
                 if low.parallax.width is not None:
                     flat = widen_to_tracks(flat, tracks, nearest, both)
             flat = widen(flat, config.low_tracks.least_width_m)

@@ -42,7 +42,6 @@ class StaticObstacleTracker:
         near_m = config.planar_parallax.near_m
         self.low_tracks = LowObstacleTracks(config.low_tracks, self._clusters.next_identity, near_m)
         self._free_road = FreeRoadEvidence(config.free_road) if config.free_road else None
-        self._rejected = NONE
 
     def triangulate(self, flow: Flow) -> Triangulation:
         """The points of the flow by their chained tracks, as if all of them stood."""
@@ -131,7 +130,7 @@ class StaticObstacleTracker:
         """
         known = None
         if image is not None and self.parallax.looks:
-            hiding = to_current_frame(self._tall.chosen(~self._is_rejected(self._tall)), self._pose, pose, 0.0)
+            hiding = to_current_frame(self._tall, self._pose, pose, 0.0)
             if moving is not None and len(moving):
                 hiding = hiding.concatenate(moving)
                 if self.config.swept:
@@ -159,21 +158,13 @@ class StaticObstacleTracker:
         self.points.keep(stands(vehicle_from_world(self.points.place_m, pose)))
         self.low_tracks.keep(stands, pose)
 
-    def reject(self, identity: Integers) -> None:
-        """Obstacles (N,) that hide nothing: one reported too near would hide the true one."""
-        if self.config.rejected_hide_nothing:
-            self._rejected = identity
-
-    def _is_rejected(self, obstacles: Obstacles) -> Bools:
-        return among(obstacles.identity, self._rejected)
-
     def _in_sight(self, one: LowObservation, views: Iterable[Floats], obstacles: Obstacles) -> LowObservation | None:
         """The part of an observation that is visible from each of the places (2,), past known obstacles."""
         seen: LowObservation | None = one
         rule = self.config.low_occlusion
         hides = among(obstacles.identity, self._tall.identity)
         hides |= obstacles.forward_m > one.forward_m - (rule.behind_m if rule else np.inf)
-        obstacles = obstacles.chosen(hides & ~self._is_rejected(obstacles))
+        obstacles = obstacles.chosen(hides)
         for view in views:
             seen = seen and in_sight(seen, view, obstacles, self.config.low_tracks)
         return seen
@@ -202,10 +193,3 @@ class StaticObstacleTracker:
         weight = np.minimum(config.known_m / points.sigma_m, 1.0) * (points.confirmed & ~points.low)
         support = (points.obstacle == obstacles.identity[:, None]) @ weight
         return np.asarray((support > config.points) & (obstacles.identity >= 0), np.bool_)
-
-    def is_verified(self, obstacles: Obstacles) -> Bools:
-        """(K,) obstacles that are never rejected from near: well supported, or low ones of points and parallax.
-
-        A painted line behind a pallet's foot looks like road across its whole width.
-        """
-        return self.is_well_supported(obstacles) | among(obstacles.identity, self._clusters.cross_confirmed)
