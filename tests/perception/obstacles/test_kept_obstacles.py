@@ -11,16 +11,6 @@ from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation
 from vpf_sim.types import Floats, Obstacles
 
 
-@pytest.mark.parametrize(("count", "kept"), [(3, 0), (5, 1), (12, 1)])
-def test_free_road_does_not_delete_a_well_supported_obstacle(count: int, kept: int) -> None:
-    drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, count), road_points(100)])), tracker()
-    obstacles = drive.run(found, range(330))[-1]
-    assert len(obstacles) == 1
-    assert found.is_well_supported(obstacles).tolist() == [bool(kept)]
-    found.remove(obstacles, 0, drive.pose(329), (2.5, 0.5))
-    assert len(drive.run(found, range(330, 334))[-1]) == kept
-
-
 def test_an_obstacle_is_kept_out_of_view_and_pruned_once_passed() -> None:
     drive = Drive(np.concatenate([body(30.0, 2.5, 1.6, 1.3, 10), road_points(100)]))
     found = drive.run(tracker(), range(480))
@@ -140,14 +130,6 @@ def test_a_stale_fragment_is_no_part_of_an_obstacle(
     assert len(drive.run(found, range(first + 3, last))[-1]) == reported
 
 
-@pytest.mark.parametrize(("sigma_m", "low", "sure"), [(0.3, False, True), (1.2, False, False), (0.1, True, False)])
-def test_imprecise_or_low_points_support_no_obstacle_well(sigma_m: float, low: bool, sure: bool) -> None:
-    drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, 7), road_points(100)])), tracker()
-    obstacles = drive.run(found, range(330))[-1]
-    found.points.sigma_m[:], found.points.low[:] = sigma_m, low
-    assert found.is_well_supported(obstacles).tolist() == [sure]
-
-
 @pytest.mark.parametrize(
     ("behind_m", "height_m", "visible"),
     [
@@ -166,7 +148,6 @@ def test_low_obstacles_hide_little(behind_m: float, height_m: float, visible: bo
         update=lambda *_: [low],
         looks=True,
         lenses_m=[np.array([0.8, 0.0])],
-        difference_at=lambda known: np.full(len(known), np.nan),
     )  # type: ignore[assignment]
     found.compare_road(np.zeros((480, 640), np.uint8), drive.pose(369), drive.road, speed_mps=5.0)
     assert len(found.low_tracks.tracks) == visible

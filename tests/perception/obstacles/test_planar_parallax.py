@@ -6,7 +6,7 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-from driver_settings import optional_sections, section, static_obstacles, without
+from driver_settings import optional_sections, static_obstacles, without
 from plated_road import CAMERA, PLATE_M, frame
 
 from vpf_sim.geometry import rotation, vehicle_from_world
@@ -129,34 +129,6 @@ def test_a_known_obstacle_is_left_out_with_what_it_hides_only(
         known = footprints(body, STRAIGHT, OcclusionConfig())
         found |= bool(residual.update(frame(forward, 0.15), np.array([forward, 0.0, 0.0]), known))
     assert found is seen
-
-
-@pytest.mark.parametrize(("right_m", "is_road"), [(0.2, False), (-1.5, True)])
-def test_the_difference_at_a_foot_tells_road_from_obstacle(right_m: float, is_road: bool) -> None:
-    """An obstacle is reported where the plate is, or beside it."""
-    residual, one, found = PlanarParallax(CAMERA, CONFIG, LOOKS_HZ), np.ones(1), []
-    for forward in np.arange(10.0, PLATE_M[0, 0] - BUMPER_M - 6.5, SPEED_MPS / LOOKS_HZ).tolist():
-        residual.update(frame(forward, 0.15), np.array([forward, 0.0, 0.0]))
-        face = (PLATE_M[0, 0] - forward) * one
-        body = Obstacles(face, (right_m - 0.3) * one, (right_m + 0.3) * one, 0.2 * one, one, np.array([1]))
-        found.append(float(residual.difference_at(body)[0]))
-    seen, config = np.array(found)[np.isfinite(found)], section("static_obstacles.free_road")
-    assert len(seen) >= 4
-    assert np.count_nonzero(seen < config.road) >= config.observations if is_road else np.median(seen) > config.obstacle
-
-
-def test_beyond_the_noise_range_no_foot_is_compared() -> None:
-    """So far away a faint obstacle looks like road."""
-    residual, one, config = PlanarParallax(CAMERA, CONFIG, LOOKS_HZ), np.ones(1), CONFIG
-    found = []
-    for forward in np.arange(8.5, PLATE_M[0, 0] - 8.0, SPEED_MPS / LOOKS_HZ).tolist():
-        residual.update(frame(forward, 0.15), np.array([forward, 0.0, 0.0]))
-        face = (PLATE_M[0, 0] - forward) * one
-        body = Obstacles(face, -0.3 * one, 0.3 * one, 0.2 * one, one, np.array([1]))
-        found.append((face[0], float(residual.difference_at(body)[0])))
-    assert any(config.noise_far_m < face < config.far_m for face, _ in found)
-    assert all(np.isnan(difference) for face, difference in found if face > config.noise_far_m)
-    assert any(np.isfinite(difference) for _, difference in found)
 
 
 def test_nothing_is_reported_without_a_baseline() -> None:
@@ -336,17 +308,6 @@ def test_more_truncated_observations_confirm_a_track_that_begins_near() -> None:
     told = suspected(seen, step_m=0.3)
     assert told[2:] == [(1, 0), (1, 0), (1, 0), (0, 1)]
     assert not any(two for _, two in suspected([(7.1, True, False), *[(6.7, True, True)] * 9], 0.3)), "a drop"
-
-
-def test_a_track_that_turns_out_to_be_road_is_removed() -> None:
-    book, pose = LowObstacleTracks(TRACKS, lambda: 4), np.zeros(3)
-    for forward in np.arange(0.0, 4.0, 0.555).tolist():
-        pose = np.array([forward, 0.0, 0.0])
-        book.record([LowObservation(14.0 - forward, -0.4, 0.4, 30.0)], pose)
-    book.forget(3)
-    assert len(book.bodies(pose)) == 1
-    book.forget(4)
-    assert len(book.bodies(pose)) == 0
 
 
 def test_a_track_of_single_flashes_is_pruned() -> None:

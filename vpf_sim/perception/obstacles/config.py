@@ -12,14 +12,6 @@ class Switch:
 
 
 @settings
-class SupportConfig:
-    """When points well above the road outweigh a view of the road in an obstacle's place."""
-
-    points: float = setting("weight of its points above which an obstacle stays", gt=0.0)
-    known_m: float = setting("standard deviation of the depth up to which a point has weight 1", gt=0.0)
-
-
-@settings
 class SinglePointConfig:
     """When one point above the road is an obstacle."""
 
@@ -143,17 +135,6 @@ class LowOcclusionConfig:
     """A low obstacle hides only what is just behind its face; without this it hides all that is behind it."""
 
     behind_m: float = setting("how far behind", ge=0.0)
-
-
-@settings
-class FreeRoadConfig:
-    """When the road is visible in the place of an obstacle."""
-
-    road: float = setting("largest difference of the images that counts as road, in multiples of the noise", ge=0.0)
-    obstacle: float = setting("least difference that counts as an obstacle, in multiples of the noise", ge=0.0)
-    observations: int = setting("observations of road, less those of an obstacle, that delete it", ge=1)
-    travel_m: float = setting("travel between two observations: at standstill the image repeats itself", ge=0.0)
-    about_m: tuple[float, float] = setting("region, along and across, in which its points are deleted")
 
 
 @settings
@@ -313,9 +294,7 @@ class StaticObstacleConfig:
     edge_lines: EdgeLineConfig | None = setting("points near an edge line must be clear corners", default=None)
     low_obstacles: LowObstacleConfig | None = setting("several low points are an obstacle", default=None)
     looming_consistency: LoomingConsistencyConfig | None = setting("points that expand too little", default=None)
-    free_road: FreeRoadConfig | None = setting("obstacles where the road is visible are deleted", default=None)
     track_refinement: RefinementConfig | None = setting("points are matched with their first frame", default=None)
-    support: SupportConfig | None = setting("obstacles of many points are never rejected", default=None)
     single_point: SinglePointConfig | None = setting("one point may be an obstacle", default=None)
     turned: TurnedConfig | None = setting("near points are ignored while the car is turned", default=None)
     far_road: FarRoadConfig | None = setting("points before far road have less seed weight", default=None)

@@ -9,7 +9,6 @@ import numpy as np
 from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.egomotion.triangulation import Triangulation, triangulate
 from vpf_sim.perception.obstacles.config import StaticObstacleConfig
-from vpf_sim.perception.obstacles.free_road import FreeRoadEvidence
 from vpf_sim.perception.obstacles.obstacle_clusters import NONE, ObstacleClusters
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation, PlanarParallax
 from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks, in_sight
@@ -41,7 +40,6 @@ class StaticObstacleTracker:
         self.parallax = PlanarParallax(camera, config.planar_parallax, rate_hz)
         near_m = config.planar_parallax.near_m
         self.low_tracks = LowObstacleTracks(config.low_tracks, self._clusters.next_identity, near_m)
-        self._free_road = FreeRoadEvidence(config.free_road) if config.free_road else None
 
     def triangulate(self, flow: Flow) -> Triangulation:
         """The points of the flow by their chained tracks, as if all of them stood."""
@@ -124,7 +122,7 @@ class StaticObstacleTracker:
         moving: Obstacles | None = None,
         speed_mps: float = 0.0,
     ) -> None:
-        """Observe low obstacles and free road in the frame (H, W) taken at `pose`; None under the wiper.
+        """Observe low obstacles in the frame (H, W) taken at `pose`; None under the wiper.
 
         Ignores pixels that a known obstacle occludes, in this frame or, if it moves, in the reference frame.
         """
@@ -141,10 +139,6 @@ class StaticObstacleTracker:
         if found is None:
             return
         obstacles = to_current_frame(self._obstacles, self._pose, pose, 0.0)
-        if self._free_road is not None and self.config.free_road is not None:
-            difference = self.parallax.difference_at(obstacles)
-            for index in self._free_road.record(obstacles.identity, difference, pose[:2]):
-                self.remove(obstacles, index, pose, self.config.free_road.about_m)
         views = self.parallax.lenses_m
         seen = (self._in_sight(one, views, obstacles) for one in found if self._is_inside(one, road))
         self.low_tracks.record([one for one in seen if one is not None], pose)
@@ -174,22 +168,3 @@ class StaticObstacleTracker:
         left, right = carriageway_offsets(np.array([one.forward_m]), road)
         margin = self.config.edge_margin_m
         return bool(left[0] + margin < one.middle_m < right[0] - margin)
-
-    def remove(self, obstacles: Obstacles, index: int, pose: Floats, about_m: tuple[float, float]) -> None:
-        """Delete an obstacle that is not well supported, where the road is visible; its points elsewhere stay."""
-        identity, (along_m, across_m) = int(obstacles.identity[index]), about_m
-        place = vehicle_from_world(self.points.place_m, pose)
-        far = np.abs(place[:, 0] - obstacles.forward_m[index]) > along_m
-        far |= (place[:, 1] < obstacles.left_m[index] - across_m) | (place[:, 1] > obstacles.right_m[index] + across_m)
-        if not self.is_well_supported(obstacles)[index]:
-            self.points.keep(far | (self.points.obstacle != identity))
-            self.low_tracks.forget(identity)
-
-    def is_well_supported(self, obstacles: Obstacles) -> Bools:
-        """(K,) obstacles with more points well above the road than err together."""
-        points, config = self.points, self.config.support
-        if config is None:
-            return np.zeros(len(obstacles), np.bool_)
-        weight = np.minimum(config.known_m / points.sigma_m, 1.0) * (points.confirmed & ~points.low)
-        support = (points.obstacle == obstacles.identity[:, None]) @ weight
-        return np.asarray((support > config.points) & (obstacles.identity >= 0), np.bool_)

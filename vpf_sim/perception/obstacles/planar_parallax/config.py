@@ -139,9 +139,6 @@ class ParallaxConfig:
     outline_gain: float = setting("difference of the outline of an object, in multiples of the noise", gt=0.0)
     least_seen: float = setting("share of a window that is not masked", gt=0.0, le=1.0)
     scaled_share: float = setting("share of a window below which its difference is not scaled up", gt=0.0)
-    foot_m: Pair = setting("along from where an obstacle begins, and beside it, where its foot is compared")
-    foot_width_m: float = setting("observed width of a foot, at least", ge=0.0)
-    foot_share: float = setting("observed share of a foot, at least", ge=0.0, le=1.0)
     tentative: TentativeGainConfig | None = setting(
         "weak observations: they make and support tentative tracks; none: only sure ones are reported", default=None
     )

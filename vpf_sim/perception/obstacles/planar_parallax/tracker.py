@@ -79,10 +79,6 @@ class LowObstacleTracks:
         )
         return Obstacles(place[:, 0], place[:, 1] - half, place[:, 1] + half, sigma, unknown, identity)
 
-    def forget(self, identity: int) -> None:
-        """Remove a confirmed track that turned out to be road."""
-        self.tracks = [one for one in self.tracks if one.identity != identity]
-
     def keep(self, stands: Callable[[Floats], Bools], pose: Floats) -> None:
         """Remove tracks where `stands` is false, (N,) by places (N, 2) in the axes of the vehicle at `pose`."""
         if self.tracks:
