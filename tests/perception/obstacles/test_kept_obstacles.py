@@ -78,22 +78,6 @@ def test_parallax_ignores_where_a_moving_obstacle_is_and_was(monkeypatch: pytest
     assert seen[0][0, :, 0].min() == pytest.approx(12.0 - 0.8 - 3.0 * 4.5 / 5.6)
 
 
-@pytest.mark.parametrize(("drives", "reported"), [(True, False), (False, True)])
-def test_a_far_car_that_drives_across_is_no_near_obstacle(drives: bool, reported: bool) -> None:
-    """On its corners alone, each seen where one of an obstacle at 40 m would be that stands."""
-    corners = np.array([[40.0, 1.5 + 0.12 * k, 1.2 + 0.06 * (k % 3)] for k in range(5)])
-    drive, found = Drive(np.concatenate([corners, road_points(100)])), tracker()
-    eye_m, obstacles = np.array([drive.pose(0)[0] + found.camera.forward_m, 0.0, found.camera.height_m]), []
-    for k in range(320):
-        at = drive.pose(k)[0]
-        if drives:  # 55 m ahead, the first corner in line with the one that stands
-            here = eye_m + np.array([at, 0.0, 0.0])
-            sight = corners[0] - here
-            drive.scene[:5] = here + sight * 55.0 / sight[0] + 4.6 * (corners - corners[0]) * [0.0, 1.0, 1.0]
-        obstacles += drive.run(found, range(k, k + 1))
-    assert any(len(body) for body in obstacles[240:]) == reported
-
-
 @pytest.mark.parametrize(("low_m", "kept"), [(1.2, 0), (0.3, 1)])
 def test_a_stale_obstacle_of_high_points_is_removed(low_m: float, kept: int) -> None:
     """High corners of a car that drives far away pass for a pedestrian's; his legs are seen nearer."""

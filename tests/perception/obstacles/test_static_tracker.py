@@ -108,15 +108,6 @@ def test_a_pedestrian_is_detected_by_the_corners_of_his_upper_half(count: int, l
     assert any(len(obstacles) for obstacles in found) == reported
 
 
-@pytest.mark.parametrize(("small", "reported"), [(100.0, True), (15.0, False)])
-def test_a_cone_before_the_edge_line_is_detected_by_its_corners(small: float, reported: bool) -> None:
-    """It stands 0.9 m inside the carriageway: seen against the verge. There an edge is taken for one of the line's."""
-    cone = np.array([[50.0, 4.2, 0.35], [50.0, 4.4, 0.35], [50.0, 4.3, 0.45]])
-    drive = Drive(np.concatenate([cone, road_points(200)]), structure=np.diag([small, 100.0]))
-    found = drive.run(tracker(), range(430))
-    assert any(len(obstacles) and obstacles.forward_m[0] > 13.0 for obstacles in found) == reported
-
-
 def test_an_obstacle_begins_at_a_few_points_close_before_it() -> None:
     """A post 1.8 m before a wall, of which eight times as many points are seen."""
     scene = np.concatenate([body(40.0, -1.5, 0.6, 1.0, 4), body(41.8, 0.0, 6.0, 1.2, 32), road_points(100)])

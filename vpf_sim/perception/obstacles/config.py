@@ -138,19 +138,6 @@ class LowOcclusionConfig:
 
 
 @settings
-class LoomingConsistencyConfig:
-    """Which points belong together, and how little they spread if they are far away."""
-
-    baseline_s: float = setting("time over which points are compared", gt=0.0)
-    near_px: float = setting("largest distance between points that belong together", gt=0.0)
-    depth_ratio: float = setting("largest difference of their inverse depths, as a share", gt=0.0)
-    noise_px: float = setting("standard deviation of a point's motion over the baseline", gt=0.0)
-    least_growth: float = setting("least growth, as a share of what the inverse depth predicts", gt=0.0)
-    sigmas: float = setting("standard deviations by which the growth must differ", gt=0.0)
-    memory_s: float = setting("largest weight of earlier results, as a time", gt=0.0)
-
-
-@settings
 class LowSinglePointConfig:
     """When one low point is an obstacle."""
 
@@ -248,14 +235,6 @@ class CollisionAlarmConfig:
 
 
 @settings
-class EdgeLineConfig:
-    """The strip along an edge line in which points must be clear corners."""
-
-    inside_m: float = setting("width of the strip on the road", ge=0.0)
-    outside_m: float = setting("width of the strip beside the road", ge=0.0)
-
-
-@settings
 class StaticObstacleConfig:
     """Thresholds and time constants of the static obstacle tracker."""
 
@@ -291,9 +270,7 @@ class StaticObstacleConfig:
     occlusion: OcclusionConfig = setting("regions that obstacles hide")
     low_tracks: LowTrackConfig = setting("tracks of low obstacles")
     planar_parallax: ParallaxConfig = setting("planar parallax")
-    edge_lines: EdgeLineConfig | None = setting("points near an edge line must be clear corners", default=None)
     low_obstacles: LowObstacleConfig | None = setting("several low points are an obstacle", default=None)
-    looming_consistency: LoomingConsistencyConfig | None = setting("points that expand too little", default=None)
     track_refinement: RefinementConfig | None = setting("points are matched with their first frame", default=None)
     single_point: SinglePointConfig | None = setting("one point may be an obstacle", default=None)
     turned: TurnedConfig | None = setting("near points are ignored while the car is turned", default=None)
