@@ -47,7 +47,7 @@ def robust_pipeline(
         stage("track_refinement", its.refine, "flow steady_flow points road", "points"),
         stage("static_obstacles", its.track_static, "steady_flow road observation points on_moving", "detected"),
         stage("all_obstacles", its.join_moving, "steady_flow observation detected", "obstacles"),
-        stage("sensing_range", its.sensing_range, "observation pose", "low_range_m tentative"),
+        stage("sensing_range", its.sensing_range, "observation", "low_range_m"),
         common.point_features(),
         common.mount_pitch(),
     ]
@@ -127,10 +127,10 @@ class ObstacleStages:
             return static
         return self._moving.obstacles(steady.pose, observation.speed_mps, static)
 
-    def sensing_range(self, observation: Observation, pose: Floats) -> tuple[LowObstacleRange, Obstacles]:
-        """How far low obstacles are detected, and the tentative ones."""
+    def sensing_range(self, observation: Observation) -> LowObstacleRange:
+        """How far low obstacles are detected."""
         now_m, best_m = self._static.low_sensing_range_m(observation.speed_mps, self._speed_reference_mps)
-        return LowObstacleRange(now_m, best_m), self._static.tentative(pose)
+        return LowObstacleRange(now_m, best_m)
 
 
 def _keyframes(camera: Camera, variant: Variant, config: StaticObstacleConfig, rate_hz: float) -> KeyframeBuffer | None:

@@ -114,29 +114,6 @@ def test_a_stale_fragment_is_no_part_of_an_obstacle(
     assert len(drive.run(found, range(first + 3, last))[-1]) == reported
 
 
-@pytest.mark.parametrize(
-    ("behind_m", "height_m", "visible"),
-    [
-        (2.2, 0.15, True),
-        (1.4, 0.15, False),  # its own far edge, or what it hides
-        (2.2, 1.4, False),
-    ],
-)
-def test_low_obstacles_hide_little(behind_m: float, height_m: float, visible: bool) -> None:
-    drive, found = Drive(np.concatenate([standing(height_m), road_points(100)])), tracker()
-    ahead = drive.run(found, range(370))[-1]
-    assert len(ahead) == 1
-    low = LowObservation(float(ahead.forward_m[0]) + behind_m, -0.2, 0.2, 30.0)
-    found.parallax = SimpleNamespace(
-        needs_next_frame=True,
-        update=lambda *_: [low],
-        looks=True,
-        lenses_m=[np.array([0.8, 0.0])],
-    )  # type: ignore[assignment]
-    found.compare_road(np.zeros((480, 640), np.uint8), drive.pose(369), drive.road, speed_mps=5.0)
-    assert len(found.low_tracks.tracks) == visible
-
-
 def test_the_road_behind_an_obstacle_is_ignored() -> None:
     drive, found, hidden = Drive(np.concatenate([standing(1.4), road_points(100)])), tracker(), list[int]()
     assert len(drive.run(found, range(370))[-1]) == 1

@@ -131,13 +131,6 @@ class NearCornerConfig:
 
 
 @settings
-class LowOcclusionConfig:
-    """A low obstacle hides only what is just behind its face; without this it hides all that is behind it."""
-
-    behind_m: float = setting("how far behind", ge=0.0)
-
-
-@settings
 class LowSinglePointConfig:
     """When one low point is an obstacle."""
 
@@ -289,4 +282,3 @@ class StaticObstacleConfig:
     side_outlier: SideOutlierConfig | None = setting("one point far outside many defines no side", default=None)
     face_correction: Switch | None = setting("faces are corrected for depth errors", default=None)
     near_corner: NearCornerConfig | None = setting("obstacles begin at their nearest corner", default=None)
-    low_occlusion: LowOcclusionConfig | None = setting("low obstacles hide little behind them", default=None)

@@ -1,6 +1,5 @@
 """Tracker of static obstacles: points above the road and low obstacles, kept in the world until passed."""
 
-from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
 
@@ -11,7 +10,7 @@ from vpf_sim.perception.egomotion.triangulation import Triangulation, triangulat
 from vpf_sim.perception.obstacles.config import StaticObstacleConfig
 from vpf_sim.perception.obstacles.obstacle_clusters import NONE, ObstacleClusters
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation, PlanarParallax
-from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks, in_sight
+from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks
 from vpf_sim.perception.obstacles.point_detection import PointDetector
 from vpf_sim.perception.obstacles.point_hypotheses import PointHypotheses, among, followed
 from vpf_sim.perception.obstacles.prediction import none, to_current_frame
@@ -102,17 +101,13 @@ class StaticObstacleTracker:
         return self.parallax.looks
 
     def low_sensing_range_m(self, speed_mps: float, speed_reference_mps: float) -> tuple[float, float]:
-        """m ahead of the pose up to which low obstacles are tentative by now at that speed; 0: nowhere.
+        """m ahead of the pose up to which low obstacles are confirmed by now at that speed; 0: nowhere.
 
         Then up to which they would be with a good view at the reference speed.
         """
-        sight, sightings = self.parallax.sight, self.low_tracks.config.doubts
+        sight, sightings = self.parallax.sight, self.config.low_tracks.hits
         good_m = sight.good_m(sight.needed_m(speed_reference_mps, sightings))
         return sight.distance_m(sight.needed_m(speed_mps, sightings)), good_m
-
-    def tentative(self, pose: Floats) -> Obstacles:
-        """Tentative low obstacles, in vehicle axes at `pose`."""
-        return self.low_tracks.tentative(pose)
 
     def compare_road(
         self,
@@ -138,10 +133,7 @@ class StaticObstacleTracker:
         found = self.parallax.update(image, pose, known)
         if found is None:
             return
-        obstacles = to_current_frame(self._obstacles, self._pose, pose, 0.0)
-        views = self.parallax.lenses_m
-        seen = (self._in_sight(one, views, obstacles) for one in found if self._is_inside(one, road))
-        self.low_tracks.record([one for one in seen if one is not None], pose)
+        self.low_tracks.record([one for one in found if self._is_inside(one, road)], pose)
 
     def remove_swept(self, moving: Obstacles, pose: Floats, road: RoadEdges) -> None:
         """Remove points and low tracks where a moving obstacle drives."""
@@ -151,17 +143,6 @@ class StaticObstacleTracker:
 
         self.points.keep(stands(vehicle_from_world(self.points.place_m, pose)))
         self.low_tracks.keep(stands, pose)
-
-    def _in_sight(self, one: LowObservation, views: Iterable[Floats], obstacles: Obstacles) -> LowObservation | None:
-        """The part of an observation that is visible from each of the places (2,), past known obstacles."""
-        seen: LowObservation | None = one
-        rule = self.config.low_occlusion
-        hides = among(obstacles.identity, self._tall.identity)
-        hides |= obstacles.forward_m > one.forward_m - (rule.behind_m if rule else np.inf)
-        obstacles = obstacles.chosen(hides)
-        for view in views:
-            seen = seen and in_sight(seen, view, obstacles, self.config.low_tracks)
-        return seen
 
     def _is_inside(self, one: LowObservation, road: RoadEdges) -> bool:
         """Whether the middle of an observation lies within the carriageway."""

@@ -206,67 +206,11 @@ class ParallaxConfig:
 
 
 @settings
-class GainWeightConfig:
-    """Weight of an observation. Mirror images gain 6 to 12 times the noise, pallets 12 to 45 in hard rain."""
-
-    usual_gain: float = setting("an observation counts by its gain over this,", gt=0.0)
-    least: float = setting("but no less than this,", gt=0.0)
-    most: float = setting("and no more", gt=0.0)
-
-    def __post_init__(self) -> None:
-        if not self.least <= self.most:
-            raise ValueError(f"least: expected <= most = {self.most}, got {self.least}")
-
-
-@settings
-class ClutterConfig:
-    """Rate of new tentative tracks, as in rain."""
-
-    rate: float = setting("new tracks per observation, from which there is clutter", ge=0.0)
-    looks: float = setting("observations averaged over", gt=0.0)
-    more_hits: int = setting("that a track needs besides in clutter", ge=0)
-
-
-@settings
-class ApproachConfig:
-    """How an object comes nearer as the car drives."""
-
-    share: float = setting("of the own way: a drop comes no nearer, a mirror image by less", gt=0.0, le=1.0)
-
-
-@settings
-class TruncatedConfig:
-    """Observations that reach to the near end of the patch."""
-
-    share: float = setting("of the own way by which it comes nearer at least", gt=0.0, le=1.0)
-    more_hits: int = setting("that a track needs besides where its place was not observed all the way", ge=0)
-
-
-@settings
-class TentativeTrackConfig:
-    """Tracks that are not confirmed."""
-
-    hits: int = setting("observations, sure ones or not, until a tentative track is reported", gt=0)
-
-
-@settings
-class SpotOcclusionConfig:
-    """The road that known obstacles hide."""
-
-    beyond_m: float = setting("behind an obstacle's face begins what it hides", ge=0.0)
-    margin_m: float = setting("beside an obstacle, hidden as well", ge=0.0)
-    least_seen_m: float = setting("width that an observation keeps beside an obstacle, at least", gt=0.0)
-
-
-@settings
 class LowTrackConfig:
     """When a low obstacle is confirmed: observed so often at one place of the world, over so long a way."""
 
     hits: int = setting("of a confirmed track", gt=0)
     way_m: float = setting("of the car between the first and the last observation of a confirmed track", ge=0.0)
-    least_way_m: float = setting(
-        "without which nothing has come nearer: at standstill water on the glass stays", ge=0.0
-    )
     misses: int = setting("in a row, after which a tentative track is pruned", gt=0)
     along_m: float = setting("observations nearer than this are of one track", gt=0.0)
     across_m: float = setting("observations nearer than this are of one track", gt=0.0)
@@ -277,31 +221,3 @@ class LowTrackConfig:
     before_m: float = setting("or begins farther before its face than mirror images do", ge=0.0)
     least_width_m: float = setting("of a reported obstacle", ge=0.0)
     behind_m: float = setting("where a confirmed track is pruned", ge=0.0)
-    gain_weight: GainWeightConfig | None = setting(
-        "gain weight: a faint observation counts less than a clear one; none: all sure ones count 1", default=None
-    )
-    clutter: ClutterConfig | None = setting(
-        "clutter: a track needs more hits while new ones appear often", default=None
-    )
-    approach: ApproachConfig | None = setting(
-        "approach: a track must come nearer as what stands does, unlike drops and mirror images", default=None
-    )
-    truncated: TruncatedConfig | None = setting(
-        "truncation: the near end of an observation at the end of the patch is no place, and takes more hits",
-        default=None,
-    )
-    tentative: TentativeTrackConfig | None = setting("tentative tracks are reported as well", default=None)
-    occlusion: SpotOcclusionConfig | None = setting(
-        "occlusion: what a known obstacle hides of an observation is cut off", default=None
-    )
-
-    def __post_init__(self) -> None:
-        if self.truncated and self.approach and not self.truncated.share <= self.approach.share:
-            raise ValueError(
-                f"truncated.share: expected <= approach.share = {self.approach.share}, got {self.truncated.share}"
-            )
-
-    @property
-    def doubts(self) -> int:
-        """Observations until a track is reported."""
-        return self.tentative.hits if self.tentative else self.hits
