@@ -8,7 +8,6 @@ from driver_settings import static_obstacles, unwrap
 
 from vpf_sim.geometry import rotation, vehicle_from_world
 from vpf_sim.perception.obstacles.clustering import split
-from vpf_sim.perception.obstacles.config import SharpSideConfig
 from vpf_sim.perception.obstacles.extent import (
     ObstaclePoints,
     corrected_front,
@@ -17,12 +16,9 @@ from vpf_sim.perception.obstacles.extent import (
     front,
     is_behind,
     move_to_face,
-    nearest_corner,
-    outliers,
     rotate,
     rotate_back,
     sides,
-    stale_fragments,
 )
 from vpf_sim.perception.obstacles.low_obstacles import extend_by_low, join, match_tracks, widen_to_tracks
 from vpf_sim.perception.obstacles.prediction import predict
@@ -53,8 +49,7 @@ def test_obstacles_are_predicted_by_the_ego_motion_and_their_own() -> None:
 def ahead(forward_m: Floats, sigma_m: Floats) -> ObstaclePoints:
     """Points (M,) straight ahead, seen sharply; none of them is an obstacle by itself, or a stray."""
     some = np.zeros(len(forward_m))
-    neither = some > 0.0
-    return ObstaclePoints(np.column_stack([forward_m, some]), sigma_m, some, some, neither, neither)
+    return ObstaclePoints(np.column_stack([forward_m, some]), sigma_m, some)
 
 
 def test_points_before_the_face_move_along_their_line_of_sight() -> None:
@@ -95,38 +90,6 @@ def test_corrected_front_is_unbiased(count: int) -> None:
     assert face_sigma == pytest.approx(1.2 / np.sqrt(count))
 
 
-@pytest.mark.parametrize(("count", "begins_m"), [(2, 14.0), (4, 12.0)])
-def test_an_obstacle_begins_where_several_points_are_surely_nearer(count: int, begins_m: float) -> None:
-    """A barrier of few points 2 m before a wall of 40, all known to .2 m."""
-    rng = stream(27, "barrier")
-    forward = np.concatenate([rng.normal(14.0, 0.2, 40), rng.normal(12.0, 0.2, count)])
-    sigma = np.full(len(forward), 0.2)
-    seen, label = ahead(forward, sigma), np.zeros(len(forward), np.int64)
-    face, _ = front(seen, label, 1)
-    assert face[0] == pytest.approx(14.0, abs=0.25)
-    assert nearest_corner(seen, label, face, 3, 2.5)[0] == pytest.approx(begins_m, abs=0.75)
-
-
-def test_depth_errors_do_not_bring_an_obstacle_nearer() -> None:
-    """200 faces of 30 points each, known to 1.2 m: of 30 the third nearest errs by -1.6 m."""
-    rng, count = stream(28, "errors"), 200
-    forward, label = rng.normal(20.0, 1.2, 30 * count), np.repeat(np.arange(count), 30)
-    sigma = np.full(30 * count, 1.2)
-    seen = ahead(forward, sigma)
-    face, _ = front(seen, label, count)
-    assert np.mean(nearest_corner(seen, label, face, 3, 2.5) < face) < 0.01
-
-
-def test_an_obstacle_at_an_angle_begins_at_its_corner() -> None:
-    """A van 5 m long whose side is seen all along: a quarter of its points lie within 1.25 m of the corner."""
-    forward = np.linspace(8.0, 13.0, 61)
-    sigma = np.full(61, 0.05)
-    seen, label = ahead(forward, sigma), np.zeros(61, np.int64)
-    face, _ = front(seen, label, 1)
-    assert face[0] > 9.0
-    assert nearest_corner(seen, label, face, 3, 2.5)[0] == pytest.approx(8.0, abs=0.35)
-
-
 def test_width_of_a_long_obstacle_is_that_of_its_face_for_a_turned_car() -> None:
     """A truck of 2.5 x 9 m whose points err along the line of sight: 0.03 m on the face, 0.6 m on the roof."""
     rng, heading_rad = stream(26, "sides"), 0.3
@@ -141,12 +104,12 @@ def test_width_of_a_long_obstacle_is_that_of_its_face_for_a_turned_car() -> None
     road = RoadEdges(-7.0, 7.0, heading_rad, 0.0, 0.02, 1.0, 0.0, 3.5)
     label, seen = (
         np.zeros(80, np.int64),
-        ObstaclePoints(place, sigma, sight, np.zeros(80), *np.zeros((2, 80), np.bool_)),
+        ObstaclePoints(place, sigma, sight),
     )
     angle = direction_at(seen, label, 1, road)
     seen = rotate(seen, angle[label])
     begin, _ = front(seen, label, 1)
-    forward, left, right = rotate_back(begin, *sides(seen, label, begin, CONFIG), angle)
+    forward, left, right = rotate_back(begin, *sides(seen, label, begin), angle)
     assert right[0] - left[0] == pytest.approx(2.5, abs=0.3)
     middle = turn @ [forward[0], 0.5 * (left[0] + right[0])]
     assert middle == pytest.approx([12.0, 0.25], abs=0.2)
@@ -160,31 +123,18 @@ def test_points_that_slide_along_the_far_edge_do_not_widen_an_obstacle(side: flo
     slides = np.array([[depth, side * depth / 12.0] for depth in (20.0, 16.0, 14.0, 13.0)])
     place = np.concatenate([face, slides])
     seen = points(place)
-    left, right = sides(seen, np.zeros(len(place), np.int64), np.array([12.0]), CONFIG)
+    left, right = sides(seen, np.zeros(len(place), np.int64), np.array([12.0]))
     assert (left[0], right[0]) == pytest.approx((-1.0, 1.0), abs=1e-9)
     near_side = np.array([[12.0, 3.0 * side], [12.0, 5.0 * side], [16.0, 3.0 * side], [19.0, 3.0 * side]])
-    left, right = sides(points(near_side), np.zeros(4, np.int64), np.array([12.0]), CONFIG)
+    left, right = sides(points(near_side), np.zeros(4, np.int64), np.array([12.0]))
     assert sorted((side * left[0], side * right[0])) == pytest.approx([3.0, 5.0], abs=1e-9)
-
-
-@pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_blurred_points_beside_an_edge_do_not_move_it(side: float) -> None:
-    """A car's face between 1 and 3 m aside, observed from 8 m. A point 0.5 m beside it was observed from 20 m:
-    half a window is as wide there; those of a barrier were not observed since."""
-    face = [(8.0, side * across) for across in np.linspace(1.0, 3.0, 9)]
-    place = np.array([*face, (8.0, side * 3.5), (8.0, side * 5.0), (8.0, side * 6.0)])
-    rim = np.repeat([0.14, 0.35], [9, 3])
-    for count, outer in ((10, 3.0), (12, 6.0)):
-        seen = replace(points(place[:count], 0.01), rim_m=rim[:count])
-        found = sides(seen, np.zeros(count, np.int64), np.array([8.0]), CONFIG)
-        assert sorted(side * edge[0] for edge in found) == pytest.approx([1.0, outer], abs=1e-9)
 
 
 def points(place_m: Floats, sigma_m: float = 0.1) -> ObstaclePoints:
     """Points (N, 2) in vehicle axes, seen sharply from the origin."""
     count = len(place_m)
     sight_rad = np.arctan2(place_m[:, 1], place_m[:, 0])
-    return ObstaclePoints(place_m, np.full(count, sigma_m), sight_rad, np.zeros(count), *np.zeros((2, count), np.bool_))
+    return ObstaclePoints(place_m, np.full(count, sigma_m), sight_rad)
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
@@ -243,26 +193,6 @@ def test_fragments_behind_an_obstacle_are_no_obstacles(
     assert belongs_to.tolist() == [False, not own]
 
 
-@pytest.mark.parametrize(
-    ("ahead_m", "body", "old", "support", "own"),
-    [
-        (9.0, 4, [False, True, True, True], 20, False),
-        (9.0, 4, [False, True, True, False], 20, True),  # one of them is seen
-        (9.0, 4, [True, True, True, True], 20, True),  # the barrier is not seen either
-        (9.0, 5, [False, True, True, True], 20, True),  # of another
-        (16.0, 4, [False, True, True, True], 20, True),  # behind it, where it may be hidden
-        (9.0, 4, [False, True, True, True], 2, True),  # no smaller
-    ],
-)
-def test_stale_fragments_before_an_obstacle_are_no_obstacles(
-    ahead_m: float, body: int, old: list[bool], support: int, own: bool
-) -> None:
-    """Two points of a barrier 14 m ahead that has the number 4, and two of what may be another obstacle."""
-    ahead, label = np.array([14.0, ahead_m]), np.array([0, 0, 1, 1])
-    none = stale_fragments(ahead, np.array(old), label, np.array([4, body]), np.array([support, 2]))
-    assert none.tolist() == [False, not own]
-
-
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_in_line_is_along_the_road_for_a_turned_car(side: float) -> None:
     """A truck's face 2.4 m ahead and, 4.7 m behind that and 1.1 m off its flank, another; the car is turned 13 deg."""
@@ -275,58 +205,6 @@ def test_in_line_is_along_the_road_for_a_turned_car(side: float) -> None:
         )
 
 
-@pytest.mark.parametrize(
-    ("count", "out_m", "more", "alone", "counts"),
-    [
-        (30, 0.6, 1, False, 0),
-        (30, 0.6, 1, True, 1),
-        (30, 0.2, 1, False, 1),
-        (30, 0.6, 2, False, 1),
-        (8, 0.6, 1, False, 1),
-    ],
-)
-@pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_a_lone_outlier_does_not_widen_an_obstacle_of_many_points(
-    count: int, out_m: float, more: int, alone: bool, counts: int, side: float
-) -> None:
-    """A track that slipped off a truck closed the only gap beside it. A cone of one point stands beside a car."""
-    across = side * np.concatenate([np.linspace(1.0, 3.0, count), [3.0 + out_m] * more])
-    place = np.column_stack([np.full(count + more, 8.0), across])
-    by_itself = np.arange(count + more) >= count if alone else np.zeros(count + more, np.bool_)
-    seen = replace(points(place, 0.02), sight_rad=np.zeros(count + more), alone=by_itself)
-    found = sides(
-        seen, np.zeros(count + more, np.int64), np.array([8.0]), replace(CONFIG, sharp_side=SharpSideConfig(0.2))
-    )
-    assert max(found, key=abs)[0] == pytest.approx(side * (3.0 + counts * out_m))
-
-
-@pytest.mark.parametrize(
-    ("others", "sigma_m", "alone", "stray"),
-    [
-        (0, 0.64, False, True),
-        (0, 0.25, False, False),  # known well
-        (0, 0.64, True, False),  # a pedestrian
-        (1, 0.64, False, False),  # two of them
-    ],
-)
-@pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_a_single_imprecise_point_behind_a_flank_defines_no_side(
-    others: int, sigma_m: float, alone: bool, stray: bool, side: float
-) -> None:
-    """A truck's flank as the car passes it, and one point straight ahead, which may be of the horizon."""
-    flank = [(forward, side * 1.6) for forward in np.linspace(4.0, 5.5, 8)]
-    beyond = [(8.0, side * (0.5 - 0.1 * other)) for other in range(1 + others)]
-    place, last = np.array(flank + beyond), np.arange(len(flank) + len(beyond)) >= len(flank)
-    label = np.zeros(len(place), np.int64)
-    seen = replace(points(place), sigma_m=np.where(last, sigma_m, 0.05), alone=last & alone)
-    behind = np.where(is_behind(seen, label, 1, SPLIT, 2.5), 0, -1)
-    assert behind.tolist() == np.where(last, 0, -1).tolist()
-    seen = replace(seen, outlier=outliers(seen, behind, unwrap(SPLIT.outlier).sigma_m))
-    assert seen.outlier.tolist() == (last & stray).tolist()
-    nearest_m = min(abs(value[0]) for value in sides(seen, label, np.array([4.0]), CONFIG))
-    assert (nearest_m > 1.4) == stray
-
-
 @pytest.mark.parametrize("sight_deg", [70.0, 89.9, 90.0, 95.0])
 def test_points_with_lines_of_sight_across_the_road_stretch_an_obstacle_little(sight_deg: float) -> None:
     """A car that has turned far observes a flank along these lines; one of its points lies before the face."""
@@ -334,9 +212,7 @@ def test_points_with_lines_of_sight_across_the_road_stretch_an_obstacle_little(s
     sight = np.radians([sight_deg] * 4)
     for turn in (-1.0, 1.0):
         seen = replace(points(place), sight_rad=turn * sight)
-        left, right = sides(
-            seen, np.zeros(4, np.int64), np.array([8.0]), replace(CONFIG, sharp_side=SharpSideConfig(0.2))
-        )
+        left, right = sides(seen, np.zeros(4, np.int64), np.array([8.0]))
         assert 0.5 <= left[0] <= 1.0
         assert 1.8 <= right[0] <= 2.3
 

@@ -1,13 +1,11 @@
 """Which obstacles are kept in the world, which are forgotten, and what clears them."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from tracked_points import Drive, body, road_points, tracker
 
-from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation
 from vpf_sim.types import Floats, Obstacles
 
 
@@ -50,24 +48,6 @@ def test_a_lost_fragment_is_no_obstacle_once_the_other_is_passed(lost: bool, rep
     assert {len(look) for look in passed} == {reported}
 
 
-@pytest.mark.parametrize(("right_m", "kept"), [(0.3, 0), (2.5, 1)])
-def test_points_and_tracks_in_a_swept_area_are_removed(right_m: float, kept: int) -> None:
-    """Its own points, before it was known to move; not what stands in the next lane."""
-    drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, 12), road_points(100)])), tracker()
-    obstacles = drive.run(found, range(330))[-1]
-    assert len(obstacles) == 1
-    drives = replace(
-        obstacles, left_m=np.array([right_m - 1.0]), right_m=np.array([right_m + 1.0]), speed_mps=np.full(1, 3.0)
-    )
-    spot = LowObservation(float(obstacles.forward_m[0]), 0.0, 0.6, 10.0)
-    found.low_tracks.record([spot], drive.pose(329))
-    found.remove_swept(drives, drive.pose(329), drive.road)
-    assert len(found.low_tracks.tracks) == kept
-    for track in range(12):  # and is not seen again
-        drive.scene[track] = [-50.0, 0.0, 0.0]
-    assert len(drive.run(found, range(330, 334))[-1]) == kept
-
-
 def test_parallax_ignores_where_a_moving_obstacle_is_and_was(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nor was it when the older image was taken, 4.5 m of our way before, 2.4 m of its own."""
     found, seen, one = tracker(), list[Floats](), np.ones(1)
@@ -76,42 +56,6 @@ def test_parallax_ignores_where_a_moving_obstacle_is_and_was(monkeypatch: pytest
     found.compare_road(np.zeros((480, 640), np.uint8), np.zeros(3), Drive(road_points(9)).road, drives, 5.6)
     assert seen[0].shape == (1, 4, 2)
     assert seen[0][0, :, 0].min() == pytest.approx(12.0 - 0.8 - 3.0 * 4.5 / 5.6)
-
-
-@pytest.mark.parametrize(("low_m", "kept"), [(1.2, 0), (0.3, 1)])
-def test_a_stale_obstacle_of_high_points_is_removed(low_m: float, kept: int) -> None:
-    """High corners of a car that drives far away pass for a pedestrian's; his legs are seen nearer."""
-    corners = [[40.0, 0.1 * k - 1.0, height] for k, height in enumerate(np.linspace(low_m, 1.5, 5))]
-    drive, found = Drive(np.concatenate([corners, road_points(100)])), tracker()
-    reported = drive.run(found, range(300))
-    assert len(reported[-1]) == 1
-    drive.scene[:5] = [-50.0, 0.0, 0.0]
-    near = next(k for k in range(400) if 40.0 - drive.pose(k)[0] < 9.0)
-    later = drive.run(found, range(300, near))
-    assert len(later[3]) == 1
-    assert len(later[-1]) == kept
-
-
-@pytest.mark.parametrize(
-    ("lost", "right_m", "first", "last", "reported"),
-    [(True, 1.0, 180, 240, 1), (False, 1.0, 180, 240, 2), (True, -15.0, 180, 240, 2), (True, 1.0, 272, 300, 2)],
-    ids=["lost", "seen", "beside the picture", "near"],
-)
-def test_a_stale_fragment_is_no_part_of_an_obstacle(
-    lost: bool, right_m: float, first: int, last: int, reported: int
-) -> None:
-    """Three points that passed for a barrier's seem to stand 6 m before it."""
-    part = [[34.0, 0.8, 0.6], [34.0, 1.0, 0.9], [34.0, 1.2, 0.4]]
-    drive = Drive(np.concatenate([body(40.0, 1.5, 3.0, 1.2, 20), road_points(100), part]))
-    found = tracker()
-    assert len(drive.run(found, range(first))[-1]) == 2
-    points = found.points
-    points.obstacle[points.obstacle >= 0] = 0
-    if lost:
-        drive.scene[-3:] = [-50.0, 0.0, 0.0]
-    assert len(drive.run(found, range(first, first + 3))[-1]) == 2
-    points.place_m[points.place_m[:, 0] < 37.0, 1] += right_m - 1.0
-    assert len(drive.run(found, range(first + 3, last))[-1]) == reported
 
 
 def test_the_road_behind_an_obstacle_is_ignored() -> None:

@@ -78,13 +78,6 @@ def test_far_low_points_before_a_line_are_no_seeds(right_m: float, least_m: floa
     assert least_m < first_gap_m(approach(scene)) < most_m
 
 
-@pytest.mark.parametrize(("texture", "enough"), [(15.0, False), (60.0, True)])
-def test_one_low_point_is_enough_if_it_is_a_clear_corner(texture: float, enough: bool) -> None:
-    """Points of mere asphalt slide, and seem to stand, for a second at a time."""
-    found = approach(pallet(3.2)[:1], 0.02, structure=texture * np.eye(2))
-    assert (first_gap_m(found) > 6.0) == enough
-
-
 @pytest.mark.parametrize(("width_m", "count", "feet_m"), [(1.8, 10, (-0.3, 0.3, 0.9)), (0.5, 12, (0.0, 0.3, 0.6))])
 def test_low_points_of_a_taller_obstacle_belong_to_it(width_m: float, count: int, feet_m: tuple[float, ...]) -> None:
     """A car's wheels, a pedestrian's shoes."""

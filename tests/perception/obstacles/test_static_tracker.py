@@ -1,6 +1,5 @@
 """Landmarks from simulated tracks: obstacles at known places, empty roads, bends."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
 
@@ -44,51 +43,6 @@ def test_a_car_is_detected_with_each_mechanism_switched_off(path: str) -> None:
     assert len(found[-1]) == 1
 
 
-@pytest.mark.parametrize(("right_m", "reported_m"), [(-1.0, 10.0), (0.2, 9.0)])
-def test_one_corner_is_enough_for_a_cone(right_m: float, reported_m: float) -> None:
-    """Dead ahead it moves least, and its depth is known worst."""
-    drive = Drive(np.concatenate([[[50.0, right_m, 0.5]], road_points(200)]))
-    found = drive.run(tracker(), range(500))
-    first = next(k for k, obstacles in enumerate(found) if len(obstacles))
-    assert 50.0 - drive.pose(first)[0] - BUMPER_M > reported_m
-    sides = (right_m - 0.2, right_m + 0.2)  # as wide as its base
-    assert (found[-1].left_m[0], found[-1].right_m[0]) == pytest.approx(sides, abs=0.05)
-
-
-@pytest.mark.parametrize(
-    ("height_m", "ratio", "seed_weight", "reported"),
-    [
-        (0.37, 0.03, 1.0, True),
-        (0.33, 0.03, 1.0, False),
-        (0.37, 0.06, 1.0, False),
-        (0.47, 0.06, 1.0, True),
-        (0.80, 0.08, 1.0, False),
-        (0.47, 0.06, 0.5, False),
-    ],
-)
-def test_a_single_point_must_be_higher_if_its_depth_is_imprecise(
-    height_m: float, ratio: float, seed_weight: float, reported: bool
-) -> None:
-    one, depth_m = np.ones(1), 12.0
-    points = SimpleNamespace(
-        hits=np.full(1, 20),
-        depth_m=depth_m * one,
-        sigma_m=ratio * depth_m * one,
-        height_m=height_m * one,
-        seed_weight=seed_weight * one,
-    )
-    obstacles = ObstacleClusters(CAMERA, static_obstacles(), cast("PointHypotheses", points), RATE_HZ)
-    assert obstacles.are_tall(np.zeros(1, np.int64), np.zeros(1, np.int64)).tolist() == [reported]
-
-
-@pytest.mark.parametrize(("small", "reported"), [(40.0, True), (27.0, False)])
-def test_a_few_faint_points_are_no_obstacle(small: float, reported: bool) -> None:
-    """The rim of a puddle and the clouds in it cross in points that slide along both; those of a cone are clearer."""
-    scene = np.array([[50.0, -1.0, 0.3], [50.0, -0.8, 0.45], [50.1, -0.9, 0.6]])
-    found = Drive(np.concatenate([scene, road_points(200)]), structure=small * np.eye(2)).run(tracker(), range(480))
-    assert any(len(obstacles) for obstacles in found) == reported
-
-
 def test_faint_points_support_clear_ones() -> None:
     """A car's plain rear between its lamps."""
     scene = np.concatenate([body(60.0, 0.3, 1.8, 1.4, 14), road_points(200)])
@@ -106,14 +60,6 @@ def test_a_pedestrian_is_detected_by_the_corners_of_his_upper_half(count: int, l
     scene, structure = np.concatenate([person, road_points(200)]), np.diag([100.0, large])
     found = Drive(scene, structure=structure).run(tracker(), range(385))
     assert any(len(obstacles) for obstacles in found) == reported
-
-
-def test_an_obstacle_begins_at_a_few_points_close_before_it() -> None:
-    """A post 1.8 m before a wall, of which eight times as many points are seen."""
-    scene = np.concatenate([body(40.0, -1.5, 0.6, 1.0, 4), body(41.8, 0.0, 6.0, 1.2, 32), road_points(100)])
-    drive = Drive(scene)
-    found = drive.run(tracker(), range(340))[-1]
-    assert found.forward_m.min() == pytest.approx(40.0 - drive.pose(339)[0], abs=0.5)
 
 
 def test_a_pedestrian_behind_and_beside_a_truck_has_his_own_identity() -> None:
@@ -146,7 +92,7 @@ def test_an_obstacle_keeps_its_identity_though_points_of_another_join_it(
 ) -> None:
     """Corners of a truck's flank are seen beside a cone: under the truck's name it would be a part of it."""
     points, one = SimpleNamespace(obstacle=np.array(before)), np.ones(len(named), np.bool_)
-    obstacles = ObstacleClusters(CAMERA, static_obstacles(), cast("PointHypotheses", points), RATE_HZ)
+    obstacles = ObstacleClusters(CAMERA, static_obstacles(), cast("PointHypotheses", points))
     assert obstacles.identify(np.arange(len(label)), np.array(label), one, one, ~one).tolist() == named
     assert points.obstacle.tolist() == [named[k] for k in label]
 
@@ -155,45 +101,9 @@ def test_an_obstacle_keeps_its_identity_though_points_of_another_join_it(
 def test_a_badly_placed_fragment_does_not_take_the_identity(placed: bool, named: int) -> None:
     """Two of a barrier's corners, seen only from afar, seemed to stand 4 m before the car that had passed it."""
     points, both = SimpleNamespace(obstacle=np.full(6, 2)), np.ones(2, np.bool_)
-    obstacles = ObstacleClusters(CAMERA, static_obstacles(), cast("PointHypotheses", points), RATE_HZ)
+    obstacles = ObstacleClusters(CAMERA, static_obstacles(), cast("PointHypotheses", points))
     label = np.array([0, 0, 0, 0, 1, 1])
     assert obstacles.identify(np.arange(6), label, both, np.array([False, placed]), ~both).tolist() == [2, named]
-
-
-@pytest.mark.parametrize(("heading_rad", "reported"), [(0.0, 1), (0.25, 1), (-0.35, 0)])
-def test_near_points_are_ignored_while_the_car_is_turned(heading_rad: float, reported: int) -> None:
-    """A post that comes into view 6 m before the camera. Of a car that is turned far it might be the flank."""
-    drive = Drive(np.concatenate([body(40.0, 0.5, 0.5, 1.6, 8), road_points(100)]))
-    first = round((40.0 - CAMERA.forward_m - 6.0) / SPEED_MPS * RATE_HZ)
-    drive.road = replace(drive.road, heading_rad=heading_rad)
-    found = drive.run(tracker(), range(first, first + 24))[-1]
-    assert (found.left_m, found.right_m) == (
-        pytest.approx([0.25] * reported, abs=0.1),
-        pytest.approx([0.75] * reported, abs=0.1),
-    )
-    assert found.forward_m + drive.pose(first + 23)[0] == pytest.approx([40.0] * reported, abs=0.15)
-
-
-@pytest.mark.parametrize(("speed_mps", "frames"), [(5.55, 20), (0.8, 60)])
-def test_an_obstacle_is_reported_after_travel_of_a_share_of_its_distance(speed_mps: float, frames: int) -> None:
-    """8 m ahead from the first frame on; creeping up, what moves over the glass in less would seem to stand there."""
-    drive = Drive(np.concatenate([body(8.0, 0.3, 1.8, 1.4, 8), road_points(100)]), speed_mps=speed_mps)
-    reported = [len(obstacles) > 0 for obstacles in drive.run(tracker(), range(frames))]
-    way_m = drive.pose(reported.index(True))[0]
-    assert 0.06 * 6.5 < way_m < 0.06 * 8.0 + 1.0
-    assert all(reported[reported.index(True) :])
-
-
-def test_a_shadow_and_a_wheel_of_a_car_are_no_obstacles() -> None:
-    """A car's face and flank, low points of its wheel, and one 0.8 m beside these that seems to stand 0.1 m high."""
-    face = body(40.0, 3.0, 2.0, 1.4, 10)
-    flank = [[along, 2.0, 0.6] for along in (42.0, 44.0, 44.3)]
-    low = np.array([[44.2, 2.0, 0.15], [44.1, 1.2, 0.1]])
-    found = Drive(np.concatenate([face, flank, low, road_points(100)])).run(tracker(), range(400))
-    assert all(len(obstacles) <= 1 and obstacles.left_m.min(initial=2.0) > 1.7 for obstacles in found)
-    assert len(found[-1]) == 1
-    alone = Drive(np.concatenate([low, road_points(100)])).run(tracker(), range(430))
-    assert any(len(obstacles) for obstacles in alone), "without the car they are a pallet"
 
 
 @pytest.mark.parametrize("curvature_per_m", [0.0, 0.01, -0.0125])
@@ -231,18 +141,6 @@ def test_two_obstacles_in_a_row_stay_two() -> None:
     order = np.argsort(last.left_m)
     assert last.right_m[order[0]] < -1.4
     assert last.left_m[order[1]] > 1.7
-
-
-def test_points_precise_across_define_a_side_with_any_depth_error() -> None:
-    """A barrier ahead is lost 16 m before it, and joined to a car beside it that is measured ever better."""
-    barrier, car = body(42.0, 0.2, 3.0, 1.0, 12), body(40.5, 2.9, 2.0, 1.4, 12)
-    drive, found = Drive(np.concatenate([barrier, car])), tracker()
-    for frame in range(round(31.0 / SPEED_MPS * RATE_HZ)):
-        flow = drive.flow(frame)
-        kept = (flow.identity >= len(barrier)) | (flow.pose[0] < 26.0)
-        seen = found.update(flow.chosen(np.flatnonzero(kept)), drive.road, SPEED_MPS, frame / RATE_HZ)
-    assert seen.left_m.min() == pytest.approx(-1.3, abs=0.2)
-    assert seen.right_m.max() == pytest.approx(3.9, abs=0.2)
 
 
 def test_the_same_scene_turned_and_moved_in_the_world_gives_the_same_obstacles() -> None:

@@ -39,15 +39,6 @@ def off_lines(camera: Camera, foot_m: Floats, road: RoadEdges, config: LowObstac
     return off
 
 
-def in_shadow(place_m: Floats, tall: Obstacles, config: NearbyConfig) -> Bools:
-    """(M,) points (M, 2), vehicle axes, where the shadow of a taller obstacle may lie: its corners seem to stand."""
-    behind, right = place_m[:, :1] - tall.forward_m, place_m[:, 1:]
-    near = (behind > -config.across_m) & (behind < config.along_m)
-    near &= (right > tall.left_m - config.across_m) & (right < tall.right_m + config.across_m)
-    shaded: Bools = np.any(near, axis=1)
-    return shaded
-
-
 def belongs_to(place_m: Floats, parts_m: Floats, parts_of: Integers, tall: Obstacles, config: NearbyConfig) -> Bools:
     """(M,) low points (M, 2) beside a point (P, 2) of a taller obstacle, as wheels are, and not before its face.
 

@@ -1,7 +1,6 @@
 """Static obstacles from clusters of confirmed points: face, sides and identity."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -14,14 +13,13 @@ from vpf_sim.perception.obstacles.extent import ObstaclePoints
 from vpf_sim.perception.obstacles.low_obstacles import (
     belongs_to,
     extend_by_low,
-    in_shadow,
     join,
     match_tracks,
     off_lines,
     widen,
     widen_to_tracks,
 )
-from vpf_sim.perception.obstacles.point_hypotheses import PointHypotheses, among, frames
+from vpf_sim.perception.obstacles.point_hypotheses import PointHypotheses, among
 from vpf_sim.perception.obstacles.prediction import none
 from vpf_sim.types import Bools, Camera, Floats, Integers, Obstacles, RoadEdges
 
@@ -31,13 +29,10 @@ NONE: Integers = np.empty(0, np.int64)
 class ObstacleClusters:
     """Groups confirmed points into obstacles, each with an identity that stays, and joins low tracks to them."""
 
-    def __init__(self, camera: Camera, config: StaticObstacleConfig, points: PointHypotheses, rate_hz: float) -> None:
-        """`rate_hz` of the updates of `points`."""
+    def __init__(self, camera: Camera, config: StaticObstacleConfig, points: PointHypotheses) -> None:
         self._camera, self._config, self._points = camera, config, points
-        self._single_hits = frames(config.single_hits_s, rate_hz)
         self._next = 0
         self.fragments = NONE  # tracks of points that parted from an obstacle and are none
-        self.gone = NONE  # tracks of high obstacles that were not observed again from nearer
 
     def next_identity(self) -> int:
         self._next += 1
@@ -47,7 +42,7 @@ class ObstacleClusters:
         """Tall obstacles; then all, with those of low points and low `tracks`. In vehicle axes at `pose`."""
         points, config = self._points, self._config
         low, alone, behind_m = config.low_obstacles, config.low_tracks, config.link_forward_m
-        self.fragments = self.gone = NONE
+        self.fragments = NONE
         tall = self._of_points(points.confirmed & ~points.low, config, self.are_tall, pose, road)
         tall = widen(tall, np.maximum(tall.width_m + 2.0 * config.beside_m, config.least_width_m))
         found = tall
@@ -55,8 +50,7 @@ class ObstacleClusters:
             flat = self._flat(tall, pose, road, low)
             if low.parallax is not None:
                 nearest, both = match_tracks(flat, tracks, low.parallax.along_m, low.beside_m)
-                if low.parallax.width is not None:
-                    flat = widen_to_tracks(flat, tracks, nearest, both)
+                flat = widen_to_tracks(flat, tracks, nearest, both)
             flat = widen(flat, config.low_tracks.least_width_m)
             if low.on_top is not None:
                 found = extend_by_low(tall, flat, low.on_top.before_m, behind_m)
@@ -79,10 +73,7 @@ class ObstacleClusters:
             chosen[chosen] = ~belongs_to(place[chosen], place[parts], points.obstacle[parts], tall, low.part)
         fresh = chosen & (points.obstacle < 0)
         chosen[fresh] = off_lines(self._camera, place[fresh], road, low)
-        shaded = in_shadow(place, tall, low.shadow) if low.shadow else np.zeros(len(place), np.bool_)
-        return self._of_points(
-            chosen, low, lambda rows, label: self._are_low(rows, label, shaded[rows], low), pose, road
-        )
+        return self._of_points(chosen, low, partial(self._are_low, low), pose, road)
 
     def _of_points(
         self,
@@ -102,54 +93,32 @@ class ObstacleClusters:
         accepted = are_obstacles(rows, label)
         if not accepted.any():
             return none()
-        rim = 0.5 * config.window_px / self._camera.fx_px * self._points.depth_m[rows]
-        sight, alone = self._points.sight_rad[rows] - pose[2], are_obstacles(rows, np.arange(len(rows)))
-        seen, count = ObstaclePoints(place, sigma, sight, rim, alone, np.zeros(len(rows), np.bool_)), len(accepted)
+        seen, count = ObstaclePoints(place, sigma, self._points.sight_rad[rows] - pose[2]), len(accepted)
         angle, apart = extent.direction_at(seen, label, count, road), np.zeros(count, np.bool_)
         along = extent.rotate(seen, angle[label])
-        behind = (
-            extent.is_behind(along, label, count, config.split, config.sure_sigmas)
-            if config.split
-            else np.zeros(len(rows), np.bool_)
-        )
-        if config.split and behind.any():
+        behind = np.zeros(len(rows), np.bool_)
+        if config.split:
+            behind = extent.is_behind(along, label, count, config.split, config.sure_sigmas)
+        if behind.any():
             groups = np.full(len(rows), -1)
             groups[behind] = near(place[behind], sigma[behind])
-            if config.split.outlier:
-                seen = replace(seen, outlier=extent.outliers(seen, groups, config.split.outlier.sigma_m))
             label, apart = split(label, groups, lambda parts: are_obstacles(rows, parts))
             accepted = are_obstacles(rows, label)
             angle = extent.direction_at(seen, label, len(apart), road)
             along = extent.rotate(seen, angle[label])
-        return self._measure(rows, label, accepted, along, angle, apart, self._are_stale(rows, place))
+        return self._measure(rows, label, accepted, along, angle, apart)
 
     def are_tall(self, rows: Integers, label: Integers) -> Bools:
         """(K,) clusters of points well above the road that are surely obstacles."""
-        points, config = self._points, self._config
-        support, seeds = np.bincount(label), np.bincount(label, points.seed_weight[rows])
+        support, seeds = np.bincount(label), np.bincount(label, self._points.seed_weight[rows])
         together: Bools = (seeds >= 2) | ((seeds >= 1) & (support >= 3))
-        rule = config.single_point
-        if rule is None:
-            return together
-        ratio = points.sigma_m[rows] / points.depth_m[rows]
-        least_m = np.interp(ratio, rule.depth_ratio, rule.min_height_m, right=np.inf)
-        single = (points.hits[rows] >= self._single_hits) & (points.seed_weight[rows] == 1.0)
-        single &= (points.height_m[rows] > least_m) & (points.height_m[rows] < rule.max_height_m)
-        single &= points.depth_m[rows] < config.precise_m
-        return together | (np.bincount(label, single) > 0)
+        return together
 
-    def _are_low(self, rows: Integers, label: Integers, shaded: Bools, config: LowObstacleConfig) -> Bools:
-        """(K,) clusters of low points that are surely obstacles; they need one more point if any is `shaded` (B,)."""
-        points = self._points
-        margin = np.bincount(label, np.minimum(points.margin[rows], config.most_margin))
-        needed = config.least_points + (np.bincount(label, shaded) > 0)
-        together: Bools = (np.bincount(label) >= needed) & (margin > config.least_margin)
-        rule = config.single_point
-        if rule is None:
-            return together
-        single = (points.hits[rows] >= self._single_hits) & ~shaded
-        single &= (points.margin[rows] > rule.margin) & (points.texture[rows] > rule.texture)
-        return together | (np.bincount(label, single) > 0)
+    def _are_low(self, config: LowObstacleConfig, rows: Integers, label: Integers) -> Bools:
+        """(K,) clusters of low points that are surely obstacles."""
+        margin = np.bincount(label, np.minimum(self._points.margin[rows], config.most_margin))
+        together: Bools = (np.bincount(label) >= config.least_points) & (margin > config.least_margin)
+        return together
 
     def _measure(
         self,
@@ -159,7 +128,6 @@ class ObstacleClusters:
         seen: ObstaclePoints,
         angle: Floats,
         apart: Bools,
-        stale: Bools,
     ) -> Obstacles:
         """Identity, face and sides of the accepted clusters (K,); those `apart` were split from another.
 
@@ -171,39 +139,16 @@ class ObstacleClusters:
         placed = (face_sigma < config.face_sigma_m) & (face < config.reported_m)
         identity = self.identify(rows, label, accepted, placed, apart)
         accepted = accepted & (identity >= 0)
-        across = extent.sides(seen, label, face, config)
-        begin = (
-            extent.nearest_corner(seen, label, face, config.near_corner.points, config.sure_sigmas)
-            if config.near_corner
-            else face
-        )
-        face, left, right = extent.rotate_back(begin, *across, angle)
+        across = extent.sides(seen, label, face)
+        face, left, right = extent.rotate_back(face, *across, angle)
         ahead = face - self._camera.forward_m
         part_of, support = np.where(accepted & ~apart, identity, -1), np.bincount(label)
         no_obstacle = np.zeros(count, np.bool_)
         if config.fragment:
             no_obstacle |= extent.fragments(ahead, left, right, angle, part_of, support, config.fragment)
-        if config.stale and config.stale.part:
-            no_obstacle |= extent.stale_fragments(ahead, stale, label, part_of, support)
         self.fragments = np.concatenate([self.fragments, points.identity[rows[no_obstacle[label]]]])
-        if config.stale and config.stale.high:
-            gone = np.bincount(label, points.low[rows] | (points.seed_weight[rows] == 1.0) | ~stale, count) == 0
-            self.gone = np.concatenate([self.gone, points.identity[rows[gone[label]]]])
         k = np.flatnonzero(accepted & ~no_obstacle)
         return Obstacles(face[k], left[k], right[k], face_sigma[k], np.full(len(k), np.inf), identity[k])
-
-    def _are_stale(self, rows: Integers, place_m: Floats) -> Bools:
-        """(B,) points at places (B, 2) in the image that were not placed again while the car came much nearer.
-
-        Nearer than `turned.near_m` points may not be placed.
-        """
-        camera, config = self._camera, self._config
-        if config.stale is None:
-            return np.zeros(len(rows), np.bool_)
-        depth = place_m[:, 0] - camera.forward_m
-        inside = np.abs(place_m[:, 1]) * camera.fx_px < 0.5 * camera.width_px * depth
-        stale: Bools = inside & (depth < config.stale.share * self._points.depth_m[rows])
-        return stale & (depth > (config.turned.near_m if config.turned else config.near_m))
 
     def identify(self, rows: Integers, label: Integers, accepted: Bools, placed: Bools, apart: Bools) -> Integers:
         """(K,) identities of clusters: the one of their points, a new one if well placed, or else -1.

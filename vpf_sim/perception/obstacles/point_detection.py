@@ -4,11 +4,11 @@ import numpy as np
 
 from vpf_sim.geometry import ground_from_pixels, world_from_vehicle
 from vpf_sim.perception.egomotion.corners import eigenvalues, is_corner
-from vpf_sim.perception.egomotion.ground_plane import below_horizon, past_image
+from vpf_sim.perception.egomotion.ground_plane import below_horizon
 from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.obstacles.config import StaticObstacleConfig
 from vpf_sim.perception.obstacles.low_obstacles import is_low, off_lines
-from vpf_sim.perception.obstacles.point_hypotheses import PointHypotheses, PointObservations, among, frames
+from vpf_sim.perception.obstacles.point_hypotheses import PointObservations, frames
 from vpf_sim.perception.road.geometry import carriageway_offsets
 from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, RoadEdges
 
@@ -37,39 +37,18 @@ class PointDetector:
             sigma_m=points.sigma_m[rows],
             sight_rad=flow.pose[2] + np.arctan(right / depth),
             depth_m=depth,
-            height_m=points.height_m[rows],
-            seed_weight=np.where(low[rows], 0.0, self._seed_weight(flow, points, texture, road, rows)),
+            seed_weight=np.where(low[rows], 0.0, self._seed_weight(flow, points, road, rows)),
             low=low[rows],
             margin=points.chi2_ground[rows] - points.chi2[rows],
-            texture=texture[rows],
         )
-
-    def on_road(self, flow: Flow, points: Triangulation, known: PointHypotheses) -> Integers:
-        """Identities of points that surely lie on the road, if any points are known."""
-        config = self._config
-        if not len(known) or not config.road_points:
-            return np.empty(0, np.int64)
-        low = among(flow.identity, known.identity[known.low])
-        least = np.where(
-            low, config.low_obstacles.min_height_m if config.low_obstacles else np.inf, config.min_height_m
-        )
-        with np.errstate(invalid="ignore"):
-            on_road = points.chi2_ground < config.chi2_limit
-            on_road &= points.height_m + 2.0 * points.height_sigma_m < least
-        return flow.identity[on_road]
 
     def _are_tall(self, flow: Flow, points: Triangulation, road: RoadEdges) -> Bools:
         """(N,) points that surely stand above the carriageway."""
         config = self._config
         depth = points.depth_m
-        near_m = config.near_m
-        if config.turned and abs(road.heading_rad) >= config.turned.angle_rad:
-            near_m = config.turned.near_m
         with np.errstate(invalid="ignore", divide="ignore"):
-            above = (depth > near_m) & (depth < config.far_m)
+            above = (depth > config.near_m) & (depth < config.far_m)
             above &= flow.age_frames >= frames(config.min_age_s, self._rate_hz)
-            if config.travel:
-                above &= np.hypot(*(flow.pose[:2] - flow.first_pose[:, :2]).T) > config.travel.share * depth
             above &= points.sigma_m / depth < config.depth_ratio
             above &= (points.chi2 < config.chi2_limit) & (points.chi2_ground - points.chi2 > config.chi2_margin)
             above &= points.height_m > config.min_height_m + 2.0 * points.height_sigma_m
@@ -78,7 +57,7 @@ class PointDetector:
         left, right = carriageway_offsets(self._camera.forward_m + depth[rows], road)
         aside = points.right_m[rows]
         inside = (aside > left + config.edge_margin_m) & (aside < right - config.edge_margin_m)
-        return self._moving_as_placed(flow, points, rows[inside])
+        return _mask(flow, rows[inside])
 
     def _before_far_road(self, points_px: Floats) -> Bools:
         """(N,) pixels whose ray meets the road far away, or not at all."""
@@ -92,7 +71,7 @@ class PointDetector:
             return np.zeros(len(flow), np.bool_)
         age_s = flow.age_frames / self._rate_hz
         rows = np.flatnonzero(is_low(points, age_s, texture, config.low_obstacles, config.precise_m, config.chi2_limit))
-        return self._moving_as_placed(flow, points, rows[self._off_lines(flow.points_px[rows], road)])
+        return _mask(flow, rows[self._off_lines(flow.points_px[rows], road)])
 
     def _off_lines(self, points_px: Floats, road: RoadEdges) -> Bools:
         """(N,) pixels whose place on the flat road is within the carriageway and on no painted line."""
@@ -101,33 +80,23 @@ class PointDetector:
             return np.ones(len(points_px), np.bool_)
         return off_lines(self._camera, ground_from_pixels(self._camera, points_px), road, config)
 
-    def _moving_as_placed(self, flow: Flow, points: Triangulation, rows: Integers) -> Bools:
-        """(N,) those rows whose last motion fits the place by the whole track: others slipped to something else."""
-        config = self._config.recent_motion
-        if config is not None and len(rows):
-            depth = points.depth_m[rows]
-            place = np.stack([self._camera.forward_m + depth, points.right_m[rows], points.height_m[rows]], axis=1)
-            before = flow.points_px[rows] - flow.displacement_px[rows]
-            error = np.hypot(*(before - past_image(self._camera, place, flow.past_pose[rows], flow.pose)).T)
-            rows = rows[error < config.error_px + config.ratio * np.hypot(*flow.displacement_px[rows].T)]
-        found = np.zeros(len(flow), np.bool_)
-        found[rows] = True
-        return found
-
-    def _seed_weight(
-        self, flow: Flow, points: Triangulation, texture: Floats, road: RoadEdges, rows: Integers
-    ) -> Floats:
+    def _seed_weight(self, flow: Flow, points: Triangulation, road: RoadEdges, rows: Integers) -> Floats:
         """(M,) from 0 to 1, how far each of the rows may begin an obstacle."""
         config, points_px = self._config, flow.points_px[rows]
         weight: Floats = np.ones(len(rows))
         if config.far_road:
             corner = is_corner(flow.structure[rows], config.corner_texture, config.corner_ratio)
             weight = np.where(self._before_far_road(points_px), config.far_road.share * corner, 1.0)
-        if config.seed_texture:
-            weight[texture[rows] <= config.seed_texture.least] = 0.0
         if config.dash_seed:
             far = points.depth_m[rows] > config.precise_m
             slides = np.flatnonzero(far & (points.height_m[rows] < config.dash_seed.height_m))
             if len(slides):
                 weight[slides] *= self._off_lines(points_px[slides], road)
         return weight
+
+
+def _mask(flow: Flow, rows: Integers) -> Bools:
+    """(N,) points of the flow in these rows."""
+    mask = np.zeros(len(flow), np.bool_)
+    mask[rows] = True
+    return mask

@@ -46,18 +46,16 @@ class PointObservations:
     sigma_m: Floats  # (M,) of the depth
     sight_rad: Floats  # (M,) direction of sight in the world, along which the place errs
     depth_m: Floats  # (M,) from the camera
-    height_m: Floats  # (M,) above the road
     seed_weight: Floats  # (M,) 0 .. 1, how far it may begin an obstacle, not only support one
     low: Bools  # (M,) a hand's breadth above the road
     margin: Floats  # (M,) excess of chi2 on the road
-    texture: Floats  # (M,) small eigenvalue of the structure tensor, grey levels^2 / px^2
 
 
 @dataclass(slots=True)
 class PointHypotheses(PointObservations):
     """M points that were above the road at least once, as last observed, with the largest margin."""
 
-    hits: Integers  # (M,) frames above the road, less twice those on it
+    hits: Integers  # (M,) frames above the road
     since_s: Floats  # (M,) when the count began
     steady_m: Floats  # (M, 2) the place that later observations must confirm
     steady_sigma_m: Floats  # (M,)
@@ -68,7 +66,7 @@ class PointHypotheses(PointObservations):
     @classmethod
     def none(cls) -> "PointHypotheses":
         number, truth, whole = np.empty(0), np.empty(0, np.bool_), np.empty(0, np.int64)
-        seen = PointObservations(whole, np.empty((0, 2)), number, number, number, number, number, truth, number, number)
+        seen = PointObservations(whole, np.empty((0, 2)), number, number, number, number, truth, number)
         return cls.of(seen, truth, 0.0)
 
     @classmethod
@@ -94,23 +92,18 @@ class PointHypotheses(PointObservations):
         for column in fields(self):
             setattr(self, column.name, getattr(self, column.name)[chosen])
 
-    def record(
-        self, seen: PointObservations, on_road: Integers, config: StaticObstacleConfig, rate_hz: float, time_s: float
-    ) -> None:
-        """Add one frame: `seen` are above the road, the tracks `on_road` lie on it."""
+    def record(self, seen: PointObservations, config: StaticObstacleConfig, rate_hz: float, time_s: float) -> None:
+        """Add the points of one frame above the road."""
         if not len(self) and not len(seen.identity):
             return
-        needed, most = frames(config.hits_s, rate_hz), 2 * frames(config.single_hits_s, rate_hz)
+        needed, most = frames(config.hits_s, rate_hz), 2 * frames(config.memory_s, rate_hz)
         row, column = matches(self.identity, seen.identity)  # rows of self, columns of `seen`
         moved = np.hypot(*(seen.place_m[column] - self.steady_m[row]).T)
         still = moved < config.steady_m + config.steady_ratio * seen.depth_m[column]
         self._agree(row[still], seen, column[still], needed)
         self._restart(row[~still], seen, column[~still], time_s)
-        self.hits[among(self.identity, on_road)] -= 2
-        self.hits = np.minimum(self.hits, most)  # so that the road can still outvote them
         expected = config.hits_share * rate_hz * (time_s - self.since_s)
-        enough = (self.hits >= needed) & (self.hits >= np.minimum(expected, most))
-        self.confirmed = (self.confirmed | enough) & (self.hits > 0)
+        self.confirmed = self.confirmed | (self.hits >= np.maximum(needed, np.minimum(expected, most)))
         new = np.ones(len(seen.identity), np.bool_)
         new[column] = False
         if new.any():

@@ -16,7 +16,7 @@ from vpf_sim.perception.obstacles.point_hypotheses import PointHypotheses, among
 from vpf_sim.perception.obstacles.prediction import none, to_current_frame
 from vpf_sim.perception.obstacles.track_refinement import Match, candidates, refined
 from vpf_sim.perception.road.geometry import carriageway_offsets
-from vpf_sim.perception.road.occlusion import driven_over, footprints
+from vpf_sim.perception.road.occlusion import footprints
 from vpf_sim.perception.schedule import Schedule
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Integers, Obstacles, RoadEdges
 
@@ -24,8 +24,8 @@ from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Integers, Obstacle
 class StaticObstacleTracker:
     """Confirms points over frames, clusters them to obstacles, and keeps these in the world.
 
-    An obstacle is pruned once the car has passed it, or when its points turn out to lie on the road; never because it
-    can no longer be measured. Fragments of an obstacle are pruned once their tracks are lost.
+    An obstacle is pruned once the car has passed it; never because it can no longer be measured. Fragments of an
+    obstacle are pruned once their tracks are lost.
     """
 
     def __init__(self, camera: Camera, config: StaticObstacleConfig, rate_hz: float) -> None:
@@ -35,7 +35,7 @@ class StaticObstacleTracker:
         self._pose: Floats = np.zeros(3)  # of these
         self._detector = PointDetector(camera, config, rate_hz)
         self.points = PointHypotheses.none()
-        self._clusters = ObstacleClusters(camera, config, self.points, self._schedule.rate_hz)
+        self._clusters = ObstacleClusters(camera, config, self.points)
         self.parallax = PlanarParallax(camera, config.planar_parallax, rate_hz)
         near_m = config.planar_parallax.near_m
         self.low_tracks = LowObstacleTracks(config.low_tracks, self._clusters.next_identity, near_m)
@@ -78,8 +78,7 @@ class StaticObstacleTracker:
             if moving is not None and moving.any():
                 self.points.keep(~among(self.points.identity, flow.identity[moving]))
             seen = self._detector.observe(flow, points, road, moving)
-            on_road = self._detector.on_road(flow, points, self.points)
-            self.points.record(seen, on_road, self.config, self._schedule.rate_hz, time_s)
+            self.points.record(seen, self.config, self._schedule.rate_hz, time_s)
             self._prune(flow)
             tracks = self.low_tracks.bodies(flow.pose)
             self._tall, self._obstacles = self._clusters.obstacles(flow.pose, road, tracks)
@@ -90,8 +89,7 @@ class StaticObstacleTracker:
         points = self.points
         fragment = among(points.identity, self._clusters.fragments)
         ahead = vehicle_from_world(points.place_m, flow.pose)[:, 0] > -self.config.behind_m
-        wanted = ((points.confirmed & ~fragment) | followed(points.identity, flow)) & ahead & (points.hits > 0)
-        wanted &= ~among(points.identity, self._clusters.gone)
+        wanted = ((points.confirmed & ~fragment) | followed(points.identity, flow)) & ahead
         if not wanted.all():
             points.keep(wanted)
 
@@ -126,23 +124,12 @@ class StaticObstacleTracker:
             hiding = to_current_frame(self._tall, self._pose, pose, 0.0)
             if moving is not None and len(moving):
                 hiding = hiding.concatenate(moving)
-                if self.config.swept:
-                    self.remove_swept(moving, pose, road)
             since_s = self.config.planar_parallax.baseline_m / max(speed_mps, 1.0)
             known = footprints(hiding, road, self.config.occlusion, since_s)
         found = self.parallax.update(image, pose, known)
         if found is None:
             return
         self.low_tracks.record([one for one in found if self._is_inside(one, road)], pose)
-
-    def remove_swept(self, moving: Obstacles, pose: Floats, road: RoadEdges) -> None:
-        """Remove points and low tracks where a moving obstacle drives."""
-
-        def stands(places_m: Floats) -> Bools:
-            return ~driven_over(places_m, moving, road, self.config.occlusion)
-
-        self.points.keep(stands(vehicle_from_world(self.points.place_m, pose)))
-        self.low_tracks.keep(stands, pose)
 
     def _is_inside(self, one: LowObservation, road: RoadEdges) -> bool:
         """Whether the middle of an observation lies within the carriageway."""

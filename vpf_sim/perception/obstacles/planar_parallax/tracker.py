@@ -8,7 +8,7 @@ import numpy as np
 from vpf_sim.geometry import distance_m, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.obstacles.planar_parallax.config import LowTrackConfig
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation
-from vpf_sim.types import Bools, Floats, Obstacles
+from vpf_sim.types import Floats, Obstacles
 
 
 @dataclass(slots=True)
@@ -50,12 +50,6 @@ class LowObstacleTracks:
         sigma, unknown = np.full(len(chosen), self.config.sigma_m), np.full(len(chosen), np.inf)
         identity = np.array([track.identity for track in chosen], np.int64)
         return Obstacles(place[:, 0], place[:, 1] - half, place[:, 1] + half, sigma, unknown, identity)
-
-    def keep(self, stands: Callable[[Floats], Bools], pose: Floats) -> None:
-        """Remove tracks where `stands` is false, (N,) by places (N, 2) in the axes of the vehicle at `pose`."""
-        if self.tracks:
-            places = vehicle_from_world(np.array([track.place_m for track in self.tracks]), pose)
-            self.tracks = [track for track, stays in zip(self.tracks, stands(places), strict=True) if stays]
 
     def _add(self, one: LowObservation, pose: Floats) -> None:
         """Add an observation to its track, averaging place and width, or begin a track."""
