@@ -63,7 +63,8 @@ class FrameGate:
         level = float(sample.mean())
         jumps = self._jumps(level)
         self._levels.append(level)
-        return changed and not jumps and not self._is_flat(sample) and not self._has_noise(image)
+        flat = int(sample.max()) - int(sample.min()) < self._config.flat_levels
+        return changed and not (jumps or flat or self._has_noise(image))
 
     def _changed(self, sample: Image, place_m: tuple[float, float]) -> bool:
         """Whether all of the image is new, or the car has not moved since it last was."""
@@ -80,14 +81,10 @@ class FrameGate:
         config = self._config.torn
         if config is None or not moved:
             return True
-        torn = self._is_torn(same, config)
+        below = int(np.argmin(same[::-1]))  # the lowest rows that repeat the last frame
+        torn = below >= config.rows and float(self._stays[-below:].mean()) < config.usual_share
         self._stays += config.settled * (same - self._stays)
         return not torn
-
-    def _is_torn(self, same: Bools, config: TornFrameConfig) -> bool:
-        """Whether the lowest rows repeat the last frame and seldom do; `same` (rows,) are equal."""
-        below = len(same) if same.all() else int(np.argmin(same[::-1]))
-        return below >= config.rows and float(self._stays[-below:].mean()) < config.usual_share
 
     def _jumps(self, level: float) -> bool:
         """Whether a frame is much brighter or darker than the last ones."""
@@ -96,9 +93,6 @@ class FrameGate:
             return False
         usual = float(np.median(self._levels))
         return not usual / config.ratio <= level <= usual * config.ratio
-
-    def _is_flat(self, sample: Image) -> bool:
-        return int(sample.max()) - int(sample.min()) < self._config.flat_levels
 
     def _has_noise(self, image: Image) -> bool:
         """Whether neighbouring rows are unrelated."""

@@ -1,4 +1,4 @@
-"""Which obstacles are kept in the world, which are forgotten, and what clears them."""
+"""Which obstacles are kept in the world, and which are pruned."""
 
 from types import SimpleNamespace
 

@@ -103,9 +103,9 @@ class StaticObstacleTracker:
 
         Then up to which they would be with a good view at the reference speed.
         """
-        sight, sightings = self.parallax.sight, self.config.low_tracks.hits
-        good_m = sight.good_m(sight.needed_m(speed_reference_mps, sightings))
-        return sight.distance_m(sight.needed_m(speed_mps, sightings)), good_m
+        sight, needed = self.parallax.sight, self.config.low_tracks.hits
+        good_m = sight.good_m(sight.needed_m(speed_reference_mps, needed))
+        return sight.distance_m(sight.needed_m(speed_mps, needed)), good_m
 
     def compare_road(
         self,
@@ -127,9 +127,8 @@ class StaticObstacleTracker:
             since_s = self.config.planar_parallax.baseline_m / max(speed_mps, 1.0)
             known = footprints(hiding, road, self.config.occlusion, since_s)
         found = self.parallax.update(image, pose, known)
-        if found is None:
-            return
-        self.low_tracks.record([one for one in found if self._is_inside(one, road)], pose)
+        if found is not None:
+            self.low_tracks.record([one for one in found if self._is_inside(one, road)], pose)
 
     def _is_inside(self, one: LowObservation, road: RoadEdges) -> bool:
         """Whether the middle of an observation lies within the carriageway."""
