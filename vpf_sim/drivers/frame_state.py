@@ -2,11 +2,9 @@
 
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from vpf_sim.perception.egomotion.focus_of_expansion import Derotated
 from vpf_sim.perception.egomotion.triangulation import Triangulation
-from vpf_sim.perception.obstacles.extent import none
+from vpf_sim.perception.obstacles.prediction import none
 from vpf_sim.types import (
     UNLIMITED,
     Bools,
@@ -14,7 +12,6 @@ from vpf_sim.types import (
     Floats,
     Flow,
     Image,
-    Integers,
     LowObstacleRange,
     Observation,
     Obstacles,
@@ -52,9 +49,8 @@ class FrameState:
     moving: Obstacles | None = None  # moving obstacles before this frame's measurement
     points: Triangulation = field(init=False)
     on_moving: Bools | None = None  # (N,) points of the flow on moving obstacles
-    detected: Obstacles = field(init=False)  # before close-range verification
+    detected: Obstacles = field(init=False)  # static ones
     obstacles: Obstacles = field(default_factory=none)  # feedback: they hide the road in the next frame
-    rejected: Integers = field(default_factory=lambda: np.empty(0, np.int64))  # identities that verification removed
     tentative: Obstacles | None = None
     low_range_m: LowObstacleRange = UNLIMITED
 

@@ -7,7 +7,7 @@ from vpf_sim.drivers.frame_state import FrameState
 from vpf_sim.drivers.paper_pipeline import FrameTrackers, paper_pipeline
 from vpf_sim.drivers.robust_pipeline import robust_pipeline
 from vpf_sim.perception.frame_gate import FrameGate
-from vpf_sim.perception.obstacles.extent import carried, to_current_frame
+from vpf_sim.perception.obstacles.prediction import predict, to_current_frame
 from vpf_sim.perception.schedule import Schedule
 from vpf_sim.planning.lane.speed.limits import eased
 from vpf_sim.planning.variant import Variant
@@ -116,4 +116,4 @@ class Perceiver:
     def _moved(self, last: Perception, observation: Observation, pose: Floats) -> Obstacles:
         """The last frame's obstacles in the axes of another pose, the moving ones where they are by now."""
         since_s = observation.time_s - self._last_s
-        return carried(last.obstacles, last.pose, pose, observation.speed_mps, last.road, since_s)
+        return predict(last.obstacles, last.pose, pose, observation.speed_mps, last.road, since_s)

@@ -2,17 +2,13 @@
 
 from functools import partial
 
-import numpy as np
-
 from vpf_sim.drivers.frame_state import FrameState
 from vpf_sim.drivers.paper_pipeline import FEEDBACK, INPUTS, CommonStages, FrameTrackers
 from vpf_sim.perception.contrast import contrast
 from vpf_sim.perception.egomotion.keyframes import KeyframeBuffer
 from vpf_sim.perception.egomotion.triangulation import Triangulation
-from vpf_sim.perception.obstacles.close_range_verification import CloseRangeVerifier
 from vpf_sim.perception.obstacles.config import StaticObstacleConfig
 from vpf_sim.perception.obstacles.moving.tracker import MovingObstacleTracker
-from vpf_sim.perception.obstacles.point_hypotheses import among
 from vpf_sim.perception.obstacles.static_tracker import StaticObstacleTracker
 from vpf_sim.pipeline import Pipeline, stage
 from vpf_sim.planning.variant import Variant
@@ -23,7 +19,6 @@ from vpf_sim.types import (
     Floats,
     Flow,
     Image,
-    Integers,
     LowObstacleRange,
     Observation,
     Obstacles,
@@ -36,7 +31,7 @@ def robust_pipeline(
 ) -> Pipeline[FrameState]:
     """The stages from a frame to obstacles and road.
 
-    `obstacles` of the last frame hide the road in this one; what verification rejects hides nothing in the next.
+    `obstacles` of the last frame hide the road in this one.
     """
     common = CommonStages(setup, variant, trackers)
     its = ObstacleStages(setup, variant, trackers, config)
@@ -44,17 +39,15 @@ def robust_pipeline(
         *common.egomotion(),
         stage("keyframe", its.remember_frame, "grey"),
         common.road(),
-        stage("contrast", its.contrast_image, "observation grey pose", "contrast"),
+        stage("contrast", its.contrast_image, "observation grey", "contrast"),
         stage("moving_prediction", its.predict_moving, "pose observation", "moving"),
         stage("planar_parallax", its.compare_road, "contrast pose road moving observation"),
         stage("triangulation", its.triangulate, "steady_flow", "points"),
         stage("moving_obstacles", its.track_moving, "steady_flow points road observation", "on_moving"),
         stage("track_refinement", its.refine, "flow steady_flow points road", "points"),
         stage("static_obstacles", its.track_static, "steady_flow road observation points on_moving", "detected"),
-        stage("all_obstacles", its.join_moving, "steady_flow observation detected", "detected"),
-        stage("close_range_verification", its.verify, "contrast pose detected observation", "obstacles rejected"),
-        stage("rejection", its.reject, "rejected"),
-        stage("sensing_range", its.sensing_range, "observation pose", "low_range_m tentative"),
+        stage("all_obstacles", its.join_moving, "steady_flow observation detected", "obstacles"),
+        stage("sensing_range", its.sensing_range, "observation", "low_range_m"),
         common.point_features(),
         common.mount_pitch(),
     ]
@@ -74,8 +67,6 @@ class ObstacleStages:
         self._moving = (
             MovingObstacleTracker(camera, moving, rate_hz, config.window_px, config.noise) if moving else None
         )
-        verification = variant.close_range_verification
-        self._verifier = CloseRangeVerifier(camera, verification) if verification else None
         self._keyframes = _keyframes(camera, variant, config, rate_hz)
 
     def remember_frame(self, grey: Image) -> None:
@@ -83,22 +74,21 @@ class ObstacleStages:
         if self._keyframes is not None:
             self._keyframes.push(grey)
 
-    def contrast_image(self, observation: Observation, grey: Image, pose: Floats) -> Image | None:
+    def contrast_image(self, observation: Observation, grey: Image) -> Image | None:
         """The image in which the road is compared, without the camera's pitch; None beneath the wiper.
 
         Where nobody compares this frame, the grey image will do.
         """
         if self._trackers.flow.is_swept:
             return None
-        verifier = self._verifier
-        if not self._static.looks and (verifier is None or not verifier.looks(pose, observation.speed_mps)):
+        if not self._static.needs_next_frame:
             return grey
         view, pitch = contrast(observation.image, grey), self._trackers.pitch
         return view if pitch is None else pitch.frame(view)
 
     def predict_moving(self, pose: Floats, observation: Observation) -> Obstacles | None:
         """Moving obstacles where the road is compared: no road is expected there."""
-        if self._moving is None or not self._static.looks:
+        if self._moving is None or not self._static.needs_next_frame:
             return None
         return self._moving.moving(pose, observation.speed_mps)
 
@@ -106,7 +96,7 @@ class ObstacleStages:
         self, image: Image | None, pose: Floats, road: RoadEdges, moving: Obstacles | None, observation: Observation
     ) -> None:
         """Compare the road ahead with how it looked before, for low obstacles."""
-        self._static.look(image, pose, road, moving, observation.speed_mps)
+        self._static.compare_road(image, pose, road, moving, observation.speed_mps)
 
     def triangulate(self, steady: Flow) -> Triangulation:
         """The points of the flow, as if all of them stood still."""
@@ -138,23 +128,10 @@ class ObstacleStages:
             return static
         return static.concatenate(self._moving.moving(steady.pose, observation.speed_mps))
 
-    def verify(
-        self, image: Image | None, pose: Floats, detected: Obstacles, observation: Observation
-    ) -> tuple[Obstacles, Integers]:
-        """The obstacles without those in whose place the road is seen from near, and the identities of these."""
-        if self._verifier is None:
-            return detected, np.empty(0, np.int64)
-        verified = self._verifier.update(image, pose, detected, observation.speed_mps, self._static.is_verified)
-        return verified, detected.identity[~among(detected.identity, verified.identity)]
-
-    def reject(self, identity: Integers) -> None:
-        """Rejected obstacles hide nothing of the road in the next frame."""
-        self._static.refute(identity)
-
-    def sensing_range(self, observation: Observation, pose: Floats) -> tuple[LowObstacleRange, Obstacles]:
-        """How far low obstacles are detected, and the tentative ones."""
+    def sensing_range(self, observation: Observation) -> LowObstacleRange:
+        """How far low obstacles are detected."""
         now_m, best_m = self._static.low_sensing_range_m(observation.speed_mps, self._speed_reference_mps)
-        return LowObstacleRange(now_m, best_m), self._static.tentative(pose)
+        return LowObstacleRange(now_m, best_m)
 
 
 def _keyframes(camera: Camera, variant: Variant, config: StaticObstacleConfig, rate_hz: float) -> KeyframeBuffer | None:

@@ -1,7 +1,6 @@
-"""A frame in which what stands on a road stands out from it.
+"""An image with high contrast between obstacles and road.
 
-Asphalt is grey, wet or dry, and so is the sky that it mirrors: most of what is bright or dark on it in rain has no
-colour. Wood, rust and warning colours have: they are redder than they are blue.
+Asphalt and the sky that it mirrors are grey. Wood, rust and warning colours are redder than blue.
 """
 
 import cv2

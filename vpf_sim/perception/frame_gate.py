@@ -1,7 +1,6 @@
-"""Tells a frame to be looked at from one that shows nothing new or nothing true.
+"""Passes valid frames; frozen, torn, noisy, flat ones and brightness jumps would be taken for motion.
 
-What a frame shows is taken for motion: of a frozen one the car seems to stand, of a torn or noisy one half of the
-picture jumps. Each test asks for what no whole frame of a moving camera does, so that good frames pass.
+Each test asks for what no valid frame of a moving camera shows.
 """
 
 from collections import deque
@@ -15,50 +14,46 @@ from vpf_sim.types import Bools, Floats, Image
 
 @settings
 class NoisyFrameConfig:
-    row_levels: float = setting("mean difference of neighbouring rows that have nothing in common", gt=0.0)
-    rows: int = setting("such rows in a row that make a frame noisy", ge=1)
+    row_levels: float = setting("mean difference of unrelated neighbouring rows, in grey levels", gt=0.0)
+    rows: int = setting("number of unrelated rows in sequence that make a frame noisy", ge=1)
 
 
 @settings
 class BrightnessJumpConfig:
-    ratio: float = setting(
-        "of the mean grey level to the last frames', or the inverse, from which a frame jumps", gt=1.0
-    )
-    frames: int = setting("whose median is compared: a lasting change is taken up after half of them", ge=1)
+    ratio: float = setting("largest ratio of the mean grey level to that of the last frames, or its inverse", gt=1.0)
+    frames: int = setting("number of last frames, by their median: half of them for a lasting change", ge=1)
 
 
 @settings
 class TornFrameConfig:
-    rows: int = setting("of the sample, from below, that are those of the last frame", ge=1)
-    usual_share: float = setting("of the frames in which such rows stay anyway, as a bonnet's", gt=0.0, lt=1.0)
+    rows: int = setting("least number of sampled rows at the bottom that repeat the last frame", ge=1)
+    usual_share: float = setting("share of frames in which these rows may repeat, as a bonnet does", gt=0.0, lt=1.0)
     settled: float = setting("weight of the last frame in that share", gt=0.0, le=1.0)
 
 
 @settings
 class FrameGateConfig:
-    sample_px: int = setting("between the pixels that are compared, in rows and columns", ge=1)
-    flat_levels: int = setting("grey levels between darkest and brightest, below which a frame shows nothing", ge=0)
-    moved_m: float = setting("of the car, after which no two frames are the same", gt=0.0)
+    sample_px: int = setting("spacing of the compared pixels, in rows and columns", ge=1)
+    flat_levels: int = setting("least difference of the brightest and darkest grey level", ge=0)
+    moved_m: float = setting("travel of the car after which no two frames are equal", gt=0.0)
     noise: NoisyFrameConfig | None = setting("noisy frames are not processed", default=None)
     jump: BrightnessJumpConfig | None = setting("frames much brighter or darker are not processed", default=None)
-    torn: TornFrameConfig | None = setting(
-        "frames whose lower part is the last frame's are not processed", default=None
-    )
+    torn: TornFrameConfig | None = setting("frames that end with the last frame are not processed", default=None)
 
 
 class FrameGate:
-    """Compares each frame with those that arrived before it, good or not."""
+    """Compares each frame with those before it, valid or not."""
 
     def __init__(self, config: FrameGateConfig) -> None:
         self._config = config
         self._time_s = -inf
         self._sample: Image | None = None
-        self._changed_at_m = (0.0, 0.0)  # where the car was when the picture last changed
-        self._stays: Floats = np.empty(0)  # (rows,) in what share of the frames each row stayed as it was
+        self._changed_at_m = (0.0, 0.0)  # of the car when the image last changed
+        self._stays: Floats = np.empty(0)  # (rows,) share of the frames in which each row repeats
         self._levels: deque[float] = deque(maxlen=config.jump.frames if config.jump else 1)
 
     def passes(self, image: Image, frame_time_s: float, place_m: tuple[float, float]) -> bool:
-        """Whether an (H, W, 3) frame with that time stamp, taken at that place, is a new and whole picture."""
+        """Whether an (H, W, 3) frame, taken at this time and place, is new and valid."""
         if frame_time_s <= self._time_s:
             return False
         self._time_s = frame_time_s
@@ -68,10 +63,11 @@ class FrameGate:
         level = float(sample.mean())
         jumps = self._jumps(level)
         self._levels.append(level)
-        return changed and not jumps and not self._is_flat(sample) and not self._has_noise(image)
+        flat = int(sample.max()) - int(sample.min()) < self._config.flat_levels
+        return changed and not (jumps or flat or self._has_noise(image))
 
     def _changed(self, sample: Image, place_m: tuple[float, float]) -> bool:
-        """Whether all of the picture is new, as far as the car has moved since it last was."""
+        """Whether all of the image is new, or the car has not moved since it last was."""
         last, self._sample = self._sample, sample
         if last is None or last.shape != sample.shape:
             self._changed_at_m, self._stays = place_m, np.full(len(sample), 0.5)
@@ -85,14 +81,10 @@ class FrameGate:
         config = self._config.torn
         if config is None or not moved:
             return True
-        torn = self._is_torn(same, config)
+        below = int(np.argmin(same[::-1]))  # the lowest rows that repeat the last frame
+        torn = below >= config.rows and float(self._stays[-below:].mean()) < config.usual_share
         self._stays += config.settled * (same - self._stays)
         return not torn
-
-    def _is_torn(self, same: Bools, config: TornFrameConfig) -> bool:
-        """Whether the lowest rows are those of the last frame, which they seldom are: `same` (rows,)."""
-        below = len(same) if same.all() else int(np.argmin(same[::-1]))
-        return below >= config.rows and float(self._stays[-below:].mean()) < config.usual_share
 
     def _jumps(self, level: float) -> bool:
         """Whether a frame is much brighter or darker than the last ones."""
@@ -102,11 +94,8 @@ class FrameGate:
         usual = float(np.median(self._levels))
         return not usual / config.ratio <= level <= usual * config.ratio
 
-    def _is_flat(self, sample: Image) -> bool:
-        return int(sample.max()) - int(sample.min()) < self._config.flat_levels
-
     def _has_noise(self, image: Image) -> bool:
-        """Whether rows of the frame have nothing to do with those beside them."""
+        """Whether neighbouring rows are unrelated."""
         config = self._config.noise
         if config is None:
             return False

@@ -1,7 +1,4 @@
-"""Replaces readings that cannot be: a yaw rate that jumps as no car turns, a stuck speedometer.
-
-What is plausible passes as it is, to the bit.
-"""
+"""Replaces implausible readings: yaw rates that jump faster than a car turns, a stuck speedometer."""
 
 from collections import deque
 from dataclasses import replace
@@ -13,37 +10,35 @@ from vpf_sim.types import Observation, VehicleModel
 
 @settings
 class YawRateCheckConfig:
-    noise_radps: float = setting("of two readings, ten standard deviations of a poor sensor", ge=0.0)
-    held_s: float = setting("after which a yaw rate that stays where it jumped to is accepted", gt=0.0)
+    noise_radps: float = setting("largest noise of two readings, ten standard deviations of a poor sensor", ge=0.0)
+    held_s: float = setting("time after which a lasting jump is accepted", gt=0.0)
 
 
 @settings
 class SpeedCheckConfig:
-    stuck_s: float = setting(
-        "for which a speed reads the same to the bit, and over which the pose's speed is taken", gt=0.0
-    )
-    error_mps: float = setting("difference to the pose's speed from which the reading is replaced, plus", ge=0.0)
+    stuck_s: float = setting("time without any change of the speed, over which the pose's speed is measured", gt=0.0)
+    error_mps: float = setting("largest difference to the pose's speed, plus", ge=0.0)
     error_share: float = setting("this share of the reading", ge=0.0)
 
 
 @settings
 class PlausibilityConfig:
-    yaw_rate: YawRateCheckConfig | None = setting("yaw rates that jump as no car turns are replaced", default=None)
+    yaw_rate: YawRateCheckConfig | None = setting("yaw rates that jump are replaced", default=None)
     speed: SpeedCheckConfig | None = setting("a stuck speed is replaced by the pose's", default=None)
 
 
 class Plausibility:
-    """Watches the speed and the yaw rate, and replaces those that cannot be."""
+    """Checks the speed and the yaw rate of each observation."""
 
     def __init__(self, config: PlausibilityConfig, vehicle: VehicleModel) -> None:
         self._config = config
         self._turning_per_m = vehicle.steering_rate_limit_radps / vehicle.wheelbase_m
-        self._yaw_rate_radps = 0.0  # the last that was accepted,
+        self._yaw_rate_radps = 0.0  # last accepted,
         self._accepted_s: float | None = None  # and when
         self._recent: deque[Observation] = deque()  # while the speed reads the same, oldest first
 
     def update(self, observation: Observation) -> Observation:
-        """The same, at a speed and a yaw rate that can be."""
+        """The observation with a plausible speed and yaw rate; plausible ones are returned as they are."""
         yaw_rate = self._yaw_rate(observation)
         speed = self._speed(observation)
         if yaw_rate == observation.yaw_rate_radps and speed == observation.speed_mps:
@@ -51,7 +46,7 @@ class Plausibility:
         return replace(observation, yaw_rate_radps=yaw_rate, speed_mps=speed)
 
     def _yaw_rate(self, observation: Observation) -> float:
-        """rad/s, the last one where the reading has jumped by more than the steering can turn the car."""
+        """rad/s, the last accepted one if the reading jumped by more than the steering can turn the car."""
         config, measured, now_s = self._config.yaw_rate, observation.yaw_rate_radps, observation.time_s
         if config is not None and self._accepted_s is not None:
             since_s = now_s - self._accepted_s
@@ -62,7 +57,7 @@ class Plausibility:
         return measured
 
     def _speed(self, observation: Observation) -> float:
-        """m/s, by the pose where the speedometer reads the same while the pose goes at another pace."""
+        """m/s, by the pose if the speedometer is stuck and the pose moves at another speed."""
         config, recent, measured = self._config.speed, self._recent, observation.speed_mps
         if config is None:
             return measured

@@ -1,4 +1,4 @@
-"""Quantiles of a few values, at least one and none of them nan, as numpy tells them whose checks take longer."""
+"""Quantiles of a few values, equal to those of numpy but without its checks: at least one value, no nan."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,7 +7,7 @@ from vpf_sim.types import Floats, Image
 
 
 def quantile(values: Floats | NDArray[np.float32] | Image, share: float) -> float:
-    """Up to which this share of the values, of any shape, lies: `np.quantile` with the share in float64, linear."""
+    """The linear quantile of values of any shape: `np.quantile` with the share in float64."""
     ordered = np.sort(values, axis=None)
     place = share * (len(ordered) - 1)
     lower = int(place)
@@ -18,7 +18,7 @@ def quantile(values: Floats | NDArray[np.float32] | Image, share: float) -> floa
 
 
 def median(values: Floats | NDArray[np.float32]) -> float:
-    """The middle of the values, of any shape, or between the middle two: `np.median`."""
+    """The median of values of any shape: `np.median`."""
     flat = values.ravel()
     middle = len(flat) // 2
     if len(flat) % 2:

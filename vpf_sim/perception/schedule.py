@@ -1,4 +1,4 @@
-"""When periodic work is due: periods in seconds, frames at the rate at which they come."""
+"""When periodic work is due: periods in seconds, counted in frames."""
 
 
 class Schedule:
@@ -15,11 +15,11 @@ class Schedule:
 
     @property
     def is_due(self) -> bool:
-        """Whether the next frame is one of those."""
+        """Whether work is due at the next frame."""
         return self._frame % self.frames == 0
 
     def step(self) -> bool:
-        """Whether this frame is one of those; the first is."""
+        """Whether work is due at this frame, as it is at the first."""
         due = self.is_due
         self._frame += 1
         return due

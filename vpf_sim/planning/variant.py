@@ -18,7 +18,7 @@ from vpf_sim.configuration_fields import keys, sections
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.perception.egomotion.config import ExpansionConfig, FlowConfig, OdometryConfig, PitchConfig
 from vpf_sim.perception.frame_gate import FrameGateConfig
-from vpf_sim.perception.obstacles.config import StaticObstacleConfig, VerificationConfig
+from vpf_sim.perception.obstacles.config import StaticObstacleConfig
 from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
 from vpf_sim.perception.paper.config import ContactConfig, ObstacleMapConfig
 from vpf_sim.perception.plausible import PlausibilityConfig
@@ -74,9 +74,6 @@ class Variant:
     static_obstacles: StaticObstacleConfig | None = setting(
         "obstacles that stand; without it there is only the obstacle map", default=None
     )
-    close_range_verification: VerificationConfig | None = setting(
-        "at walking speed, obstacles in whose place the road is seen are rejected", default=None
-    )
     moving_obstacles: MovingObstacleConfig | None = setting("moving obstacles", default=None)
     controller: ControllerConfig | None = setting("changes of the gains", default=None)
     paper_planner: PaperPlannerConfig | None = setting("the paper's fields in the image", default=None)
@@ -87,8 +84,6 @@ class Variant:
             raise ValueError("expected exactly one of [paper_planner] and [lane_planner]")
         if self.lane_planner is not None and self.static_obstacles is None:
             raise ValueError("[lane_planner] needs [static_obstacles]: it goes by the bodies on the road")
-        if self.close_range_verification is not None and self.static_obstacles is None:
-            raise ValueError("[close_range_verification] needs [static_obstacles]: it looks again at what they told")
         if self.moving_obstacles is not None and self.static_obstacles is None:
             raise ValueError("[moving_obstacles] needs [static_obstacles]: it sees what these cannot be")
 

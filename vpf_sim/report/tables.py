@@ -31,7 +31,7 @@ STAGES = {  # column -> stages of timing.jsonl that it adds up
     "road edges": ("road",),
     "obstacles": (
         *("contrast", "moving_prediction", "planar_parallax", "triangulation", "moving_obstacles", "track_refinement"),
-        *("static_obstacles", "all_obstacles", "close_range_verification", "sensing_range", "point_features"),
+        *("static_obstacles", "all_obstacles", "sensing_range", "point_features"),
         "prediction",
     ),
     "plan and control": ("plan", "control"),

@@ -1,6 +1,6 @@
 """Registration with the first frame, on images that grow by a known factor, and what depths gain."""
 
-from dataclasses import replace
+from functools import partial
 
 import cv2
 import numpy as np
@@ -9,7 +9,6 @@ from tracked_points import CAMERA, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import project, undistort, vehicle_from_world
 from vpf_sim.perception.egomotion.keyframes import KeyframeBuffer
-from vpf_sim.perception.egomotion.triangulation import Triangulation, triangulate
 from vpf_sim.perception.obstacles.track_refinement import refined
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Integers
@@ -154,16 +153,12 @@ def test_a_point_lies_on_the_road_by_the_better_of_its_tracks() -> None:
         aside = np.array([truth[int(i)] for i in flow.identity[rows]]) - flow.first_px[rows]
         return aside, np.arange(len(growth)) >= count
 
-    def again(rows: Integers, aside_px: Floats) -> Triangulation:
-        some = flow.chosen(rows)
-        corrected = replace(some, first_px=some.first_px + aside_px)
-        return triangulate(corrected, CAMERA, found.config.window_px, np.zeros(len(rows)), found.config.noise)
-
     chained, config = found.triangulate(flow), found.config.track_refinement
+    again = partial(found.matched, flow)
     matched = refined(flow, chained, np.arange(count), match, config, again, CAMERA)
     assert np.array_equal(matched.depth_m, chained.depth_m, equal_nan=True), "no depth is of a match as lying"
     true_px = np.array([truth[int(i)] for i in flow.identity])
-    exact = again(np.arange(count), true_px - flow.first_px).chi2_ground
+    exact = found.matched(flow, np.arange(count), true_px - flow.first_px).chi2_ground
     near = CAMERA.fy_px * CAMERA.height_m / (flow.points_px[:, 1] - CAMERA.cy_px) < config.road_m
     assert np.count_nonzero(exact[near] < chained.chi2_ground[near]) > 5
     better = np.minimum(exact, chained.chi2_ground)

@@ -1,77 +1,73 @@
-"""Face and sides of bodies by their points, and which points are of another."""
+"""Face and sides of obstacles by their points, and which points are of another."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from driver_settings import static_obstacles, unwrap
 
 from vpf_sim.geometry import rotation, vehicle_from_world
-from vpf_sim.perception.obstacles.clustering import stepped
+from vpf_sim.perception.obstacles.clustering import split
 from vpf_sim.perception.obstacles.extent import (
-    Seen,
-    at_least,
-    carried,
+    ObstaclePoints,
+    corrected_front,
     direction_at,
-    face_of,
-    joined,
-    nearest_extent,
-    nearest_spot,
-    nearest_sure,
-    on_top,
-    outdated,
-    parted,
+    fragments,
+    front,
+    is_behind,
+    move_to_face,
+    rotate,
+    rotate_back,
     sides,
-    stands_behind,
-    strays,
-    turned,
-    turned_back,
-    widened_to_observation,
 )
+from vpf_sim.perception.obstacles.low_obstacles import extend_by_low, join, match_tracks, widen_to_tracks
+from vpf_sim.perception.obstacles.prediction import predict
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Obstacles, RoadEdges
 
+CONFIG = static_obstacles()
+SPLIT, FRAGMENT = unwrap(CONFIG.split), unwrap(CONFIG.fragment)
 
-def test_bodies_are_carried_on_by_the_own_motion_and_by_theirs() -> None:
+
+def test_obstacles_are_predicted_by_the_ego_motion_and_their_own() -> None:
     """One stands and one drives at 4 m/s along a straight road that runs 0.1 rad to the right; 0.05 s later the car has
     gone 0.3 m ahead, 0.02 m aside and turned by 0.03 rad."""
     ones = np.ones(2)
-    bodies = Obstacles(
+    obstacles = Obstacles(
         *(np.array([20.0, 30.0]), np.array([2.0, -3.0]), np.array([4.0, -1.0]), 0.3 * ones, np.inf * ones),
         np.array([1, -1]),
         np.array([0.0, 4.0]),
     )
     road, seen_from = RoadEdges(-5.0, 5.0, 0.1, 0.0, 0.05, 1.0, 0.0, 3.5), np.array([3.0, 1.0, 0.5])
     pose = np.array([*(seen_from[:2] + rotation(0.5) @ np.array([0.3, 0.02])), 0.53])
-    found = carried(bodies, seen_from, pose, 6.0, road, 0.05)
+    found = predict(obstacles, seen_from, pose, 6.0, road, 0.05)
     expected = np.array([[20.0, 3.0], [30.0, -2.0] + 0.2 * np.array([np.cos(0.1), np.sin(0.1)])]) - (0.3, 0.02)
     expected = expected @ rotation(0.03)
     assert np.stack([found.forward_m, found.middle_m], axis=1) == pytest.approx(expected, abs=1e-3)
 
 
-def ahead(forward_m: Floats, sigma_m: Floats) -> Seen:
-    """Points (M,) straight ahead, seen sharply; none of them is a body by itself, or a stray."""
+def ahead(forward_m: Floats, sigma_m: Floats) -> ObstaclePoints:
+    """Points (M,) straight ahead, seen sharply; none of them is an obstacle by itself, or a stray."""
     some = np.zeros(len(forward_m))
-    neither = some > 0.0
-    return Seen(np.column_stack([forward_m, some]), sigma_m, some, some, neither, neither)
+    return ObstaclePoints(np.column_stack([forward_m, some]), sigma_m, some)
 
 
-def test_what_lies_before_the_face_is_moved_along_its_line_of_sight() -> None:
+def test_points_before_the_face_move_along_their_line_of_sight() -> None:
     """A corner 12 m ahead and 3 m right, seen from the origin and placed at two thirds of its distance; then a turn."""
     turn, corner = -0.3, np.array([12.0, 3.0])
     placed = vehicle_from_world(np.stack([corner * 2.0 / 3.0, corner]), np.array([0.0, 0.0, turn]))
     sight = np.arctan2(corner[1], corner[0]) - turn
-    across = at_least(np.full(2, placed[1, 0]), placed, np.full(2, sight))
+    across = move_to_face(np.full(2, placed[1, 0]), placed, np.full(2, sight))
     assert across == pytest.approx([placed[1, 1]] * 2)
 
 
-def test_a_face_is_told_by_a_share_of_its_points_not_by_the_nearest() -> None:
-    """200 bodies of 8 points each, known to 1.2 m, which errs by -1.7 m for the nearest of 8; then with 2 points of the
-    side 3 m behind the face, known better."""
+def test_front_is_a_quantile_of_the_points_not_the_nearest() -> None:
+    """200 obstacles of 8 points with sigma 1.2 m: the nearest errs by -1.7 m. Half of them have 2 points 3 m behind."""
     rng, count = stream(25, "faces"), 200
     forward = np.concatenate([rng.normal(20.0, 1.2, 8 * count), rng.normal(23.0, 0.5, count)])
     label = np.concatenate([np.repeat(np.arange(count), 8), np.repeat(np.arange(count // 2, count), 2)])
     sigma = np.concatenate([np.full(8 * count, 1.2), np.full(count, 0.5)])
-    face, face_sigma = nearest_extent(ahead(forward, sigma), label, count)
+    face, face_sigma = front(ahead(forward, sigma), label, count)
     alone, followed = face[: count // 2] - 20.0, face[count // 2 :] - 20.0
     assert -1.0 < np.mean(alone) < 0.0
     assert np.mean(np.abs(alone) < 1.5) > 0.9
@@ -80,53 +76,21 @@ def test_a_face_is_told_by_a_share_of_its_points_not_by_the_nearest() -> None:
 
 
 @pytest.mark.parametrize("count", [3, 8, 30])
-def test_a_face_is_told_where_its_points_lie_however_much_they_err(count: int) -> None:
+def test_corrected_front_is_unbiased(count: int) -> None:
     """400 faces 20 m ahead, of points known to 1.2 m."""
-    rng, bodies = stream(29, "faces"), 400
-    label = np.repeat(np.arange(bodies), count)
+    rng, obstacles = stream(29, "faces"), 400
+    label = np.repeat(np.arange(obstacles), count)
     sigma = np.full(len(label), 1.2)
     seen = ahead(20.0 + sigma * rng.standard_normal(len(label)), sigma)
-    nearest, _ = nearest_extent(seen, label, bodies)
-    face, face_sigma = face_of(seen, label, bodies)
-    standard_error = np.std(face) / np.sqrt(bodies)
+    nearest, _ = front(seen, label, obstacles)
+    face, face_sigma = corrected_front(seen, label, obstacles)
+    standard_error = np.std(face) / np.sqrt(obstacles)
     assert abs(np.mean(face) - 20.0) < 0.03 + 3.0 * standard_error
     assert np.mean(nearest) < 19.5, "their nearest quarter"
     assert face_sigma == pytest.approx(1.2 / np.sqrt(count))
 
 
-@pytest.mark.parametrize(("count", "begins_m"), [(2, 14.0), (4, 12.0)])
-def test_a_body_begins_where_several_points_lie_nearer_beyond_doubt(count: int, begins_m: float) -> None:
-    """A barrier of few points 2 m before a wall of 40, all known to .2 m."""
-    rng = stream(27, "barrier")
-    forward = np.concatenate([rng.normal(14.0, 0.2, 40), rng.normal(12.0, 0.2, count)])
-    sigma = np.full(len(forward), 0.2)
-    seen, label = ahead(forward, sigma), np.zeros(len(forward), np.int64)
-    face, _ = nearest_extent(seen, label, 1)
-    assert face[0] == pytest.approx(14.0, abs=0.25)
-    assert nearest_sure(seen, label, face)[0] == pytest.approx(begins_m, abs=0.75)
-
-
-def test_points_that_only_err_do_not_bring_a_body_nearer() -> None:
-    """200 faces of 30 points each, known to 1.2 m: of 30 the third nearest errs by -1.6 m."""
-    rng, count = stream(28, "errors"), 200
-    forward, label = rng.normal(20.0, 1.2, 30 * count), np.repeat(np.arange(count), 30)
-    sigma = np.full(30 * count, 1.2)
-    seen = ahead(forward, sigma)
-    face, _ = nearest_extent(seen, label, count)
-    assert np.mean(nearest_sure(seen, label, face) < face) < 0.01
-
-
-def test_a_body_at_an_angle_begins_at_its_corner() -> None:
-    """A van 5 m long whose side is seen all along: a quarter of its points lie within 1.25 m of the corner."""
-    forward = np.linspace(8.0, 13.0, 61)
-    sigma = np.full(61, 0.05)
-    seen, label = ahead(forward, sigma), np.zeros(61, np.int64)
-    face, _ = nearest_extent(seen, label, 1)
-    assert face[0] > 9.0
-    assert nearest_sure(seen, label, face)[0] == pytest.approx(8.0, abs=0.35)
-
-
-def test_a_long_body_along_the_road_is_as_wide_as_its_face_whichever_way_the_car_is_turned() -> None:
+def test_width_of_a_long_obstacle_is_that_of_its_face_for_a_turned_car() -> None:
     """A truck of 2.5 x 9 m whose points err along the line of sight: 0.03 m on the face, 0.6 m on the roof."""
     rng, heading_rad = stream(26, "sides"), 0.3
     face = np.column_stack([np.full(40, 12.0), rng.uniform(-1.0, 1.5, 40)])
@@ -138,53 +102,43 @@ def test_a_long_body_along_the_road_is_as_wide_as_its_face_whichever_way_the_car
     sight = np.arctan2(place[:, 1], place[:, 0])
     place = place + (sigma * rng.standard_normal(80))[:, None] * np.column_stack([np.cos(sight), np.sin(sight)])
     road = RoadEdges(-7.0, 7.0, heading_rad, 0.0, 0.02, 1.0, 0.0, 3.5)
-    label, seen = np.zeros(80, np.int64), Seen(place, sigma, sight, np.zeros(80), *np.zeros((2, 80), np.bool_))
+    label, seen = (
+        np.zeros(80, np.int64),
+        ObstaclePoints(place, sigma, sight),
+    )
     angle = direction_at(seen, label, 1, road)
-    seen = turned(seen, angle[label])
-    begin, _ = nearest_extent(seen, label, 1)
-    forward, left, right = turned_back(begin, *sides(seen, label, begin, 0.12), angle)
+    seen = rotate(seen, angle[label])
+    begin, _ = front(seen, label, 1)
+    forward, left, right = rotate_back(begin, *sides(seen, label, begin), angle)
     assert right[0] - left[0] == pytest.approx(2.5, abs=0.3)
     middle = turn @ [forward[0], 0.5 * (left[0] + right[0])]
     assert middle == pytest.approx([12.0, 0.25], abs=0.2)
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_what_shows_beside_a_body_farther_away_does_not_make_it_wider(side: float) -> None:
+def test_points_that_slide_along_the_far_edge_do_not_widen_an_obstacle(side: float) -> None:
     """A car's face from 1 m left to 1 m right of the axis, 12 m ahead, and points that slide along its far edge; the
     points on a side that is turned to the camera are where they seem."""
     face = np.array([[12.0, across] for across in np.linspace(-1.0, 1.0, 9)])
     slides = np.array([[depth, side * depth / 12.0] for depth in (20.0, 16.0, 14.0, 13.0)])
     place = np.concatenate([face, slides])
     seen = points(place)
-    left, right = sides(seen, np.zeros(len(place), np.int64), np.array([12.0]), 0.12)
+    left, right = sides(seen, np.zeros(len(place), np.int64), np.array([12.0]))
     assert (left[0], right[0]) == pytest.approx((-1.0, 1.0), abs=1e-9)
     near_side = np.array([[12.0, 3.0 * side], [12.0, 5.0 * side], [16.0, 3.0 * side], [19.0, 3.0 * side]])
-    left, right = sides(points(near_side), np.zeros(4, np.int64), np.array([12.0]), 0.12)
+    left, right = sides(points(near_side), np.zeros(4, np.int64), np.array([12.0]))
     assert sorted((side * left[0], side * right[0])) == pytest.approx([3.0, 5.0], abs=1e-9)
 
 
-@pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_what_was_seen_from_afar_beside_an_edge_does_not_move_it(side: float) -> None:
-    """A car's face between 1 and 3 m aside, seen from 8 m; from 20 m a point was told 0.5 m beside its outer edge, as
-    far as half a window reaches there, and those of a barrier that has not been seen since."""
-    face = [(8.0, side * across) for across in np.linspace(1.0, 3.0, 9)]
-    place = np.array([*face, (8.0, side * 3.5), (8.0, side * 5.0), (8.0, side * 6.0)])
-    rim = np.repeat([0.14, 0.35], [9, 3])
-    for count, outer in ((10, 3.0), (12, 6.0)):
-        seen = replace(points(place[:count], 0.01), rim_m=rim[:count])
-        found = sides(seen, np.zeros(count, np.int64), np.array([8.0]), 0.12)
-        assert sorted(side * edge[0] for edge in found) == pytest.approx([1.0, outer], abs=1e-9)
-
-
-def points(place_m: Floats, sigma_m: float = 0.1) -> Seen:
+def points(place_m: Floats, sigma_m: float = 0.1) -> ObstaclePoints:
     """Points (N, 2) in vehicle axes, seen sharply from the origin."""
     count = len(place_m)
     sight_rad = np.arctan2(place_m[:, 1], place_m[:, 0])
-    return Seen(place_m, np.full(count, sigma_m), sight_rad, np.zeros(count), *np.zeros((2, count), np.bool_))
+    return ObstaclePoints(place_m, np.full(count, sigma_m), sight_rad)
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_who_stands_behind_a_body_and_beside_it_is_a_body_of_its_own(side: float) -> None:
+def test_points_behind_and_beside_an_obstacle_are_split_off(side: float) -> None:
     """A van on one side, its flank turned to the camera, what slides along its outer edge, and a pedestrian."""
     face = [(8.0, side * across) for across in (3.0, 3.5, 4.0, 4.5, 5.0)]
     flank = [(forward, side * 3.0) for forward in (9.5, 11.0, 12.5)]
@@ -193,22 +147,24 @@ def test_who_stands_behind_a_body_and_beside_it_is_a_body_of_its_own(side: float
     place = np.array(face + flank + slides + pedestrian)
     seen = points(place)
     label = np.zeros(len(place), np.int64)
-    behind = stands_behind(seen, label, 1)
+    behind = is_behind(seen, label, 1, SPLIT, 2.5)
     assert behind.tolist() == [False] * 9 + [True] * 3
-    assert not stands_behind(replace(seen, sigma_m=np.full(len(place), 1.5)), label, 1).any(), "depth known badly"
+    assert not is_behind(replace(seen, sigma_m=np.full(len(place), 1.5)), label, 1, SPLIT, 2.5).any(), (
+        "depth known badly"
+    )
     step = np.where(behind, 0, -1)
-    parts, apart = stepped(label, step, lambda parts: np.ones(parts.max() + 1, np.bool_))
+    parts, apart = split(label, step, lambda parts: np.ones(parts.max() + 1, np.bool_))
     assert parts.tolist() == [0] * 9 + [1] * 3
     assert apart.tolist() == [False, True]
-    parts, apart = stepped(label, step, lambda parts: np.arange(parts.max() + 1) == 0)
-    assert parts.tolist() == [0] * 12, "what would be no body by itself stays a part of the other"
+    parts, apart = split(label, step, lambda parts: np.arange(parts.max() + 1) == 0)
+    assert parts.tolist() == [0] * 12, "what would be no obstacle by itself stays a part of the other"
     assert apart.tolist() == [False]
 
 
-def test_those_who_stand_behind_a_body_on_both_sides_are_bodies_of_their_own() -> None:
+def test_points_behind_an_obstacle_on_both_sides_are_split_off() -> None:
     """Two points on either side, and one astray, which stays a part of what is left."""
     label, step = np.zeros(9, np.int64), np.array([-1, -1, -1, -1, 0, 1, 0, 1, 2])
-    parts, apart = stepped(label, step, lambda parts: np.bincount(parts) > 1)
+    parts, apart = split(label, step, lambda parts: np.bincount(parts) > 1)
     assert parts.tolist() == [0, 0, 0, 0, 1, 2, 1, 2, 0]
     assert apart.tolist() == [False, True, True]
 
@@ -217,7 +173,7 @@ def test_those_who_stand_behind_a_body_on_both_sides_are_bodies_of_their_own() -
     ("ahead_m", "across_m", "body", "support", "own"),
     [
         (15.0, (-3.6, -3.4), 4, 1, False),  # one point beside the van, once taken for a part of it
-        (15.0, (-3.6, -3.4), 4, 3, True),  # several are a body
+        (15.0, (-3.6, -3.4), 4, 3, True),  # several are an obstacle
         (15.0, (-3.6, -3.4), 5, 1, True),  # and so is one of another
         (12.0, (-6.5, -5.5), 4, 3, False),  # in the strip that the van hides
         (9.0, (-2.2, -1.8), 4, 3, False),  # along its side
@@ -227,137 +183,70 @@ def test_those_who_stand_behind_a_body_on_both_sides_are_bodies_of_their_own() -
         (3.0, (-3.0, -2.5), 4, 3, True),  # nothing nearer hides it, and it hides not the larger
     ],
 )
-def test_what_parted_from_a_body_behind_it_is_no_other(
+def test_fragments_behind_an_obstacle_are_no_obstacles(
     ahead_m: float, across_m: tuple[float, float], body: int, support: int, own: bool
 ) -> None:
     """A van 4 m ahead, from 4 to 2 m left of the camera's axis, has the number 4."""
     left, right = np.array([-4.0, across_m[0]]), np.array([-2.0, across_m[1]])
     ahead, straight = np.array([4.0, ahead_m]), np.zeros(2)
-    belongs_to = parted(ahead, left, right, straight, np.array([4, body]), np.array([20, support]))
+    belongs_to = fragments(ahead, left, right, straight, np.array([4, body]), np.array([20, support]), FRAGMENT)
     assert belongs_to.tolist() == [False, not own]
 
 
-@pytest.mark.parametrize(
-    ("ahead_m", "body", "old", "support", "own"),
-    [
-        (9.0, 4, [False, True, True, True], 20, False),
-        (9.0, 4, [False, True, True, False], 20, True),  # one of them is seen
-        (9.0, 4, [True, True, True, True], 20, True),  # the barrier is not seen either
-        (9.0, 5, [False, True, True, True], 20, True),  # of another
-        (16.0, 4, [False, True, True, True], 20, True),  # behind it, where it may be hidden
-        (9.0, 4, [False, True, True, True], 2, True),  # no smaller
-    ],
-)
-def test_what_is_not_seen_again_before_a_body_it_parted_from_is_no_other(
-    ahead_m: float, body: int, old: list[bool], support: int, own: bool
-) -> None:
-    """Two points of a barrier 14 m ahead that has the number 4, and two of what may be another body."""
-    ahead, label = np.array([14.0, ahead_m]), np.array([0, 0, 1, 1])
-    none = outdated(ahead, np.array(old), label, np.array([4, body]), np.array([support, 2]))
-    assert none.tolist() == [False, not own]
-
-
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_who_stands_beside_the_way_of_a_flank_is_no_part_of_it_though_in_line_as_the_car_is_turned(side: float) -> None:
+def test_in_line_is_along_the_road_for_a_turned_car(side: float) -> None:
     """A truck's face 2.4 m ahead and, 4.7 m behind that and 1.1 m off its flank, another; the car is turned 13 deg."""
     ahead, truck, other = np.array([2.4, 7.1]), sorted((side * 3.3, side * 5.8)), sorted((side * 2.6, side * 3.1))
     left, right = np.array([truck, other]).T
     for angle, parts in ((0.0, [False, True]), (side * 0.23, [False, False])):
-        assert parted(ahead, left, right, np.full(2, angle), np.array([4, 4]), np.array([20, 6])).tolist() == parts
-
-
-@pytest.mark.parametrize(
-    ("count", "out_m", "more", "alone", "counts"),
-    [
-        (30, 0.6, 1, False, 0),
-        (30, 0.6, 1, True, 1),
-        (30, 0.2, 1, False, 1),
-        (30, 0.6, 2, False, 1),
-        (8, 0.6, 1, False, 1),
-    ],
-)
-@pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_one_point_astray_is_no_side_of_a_body_of_many(
-    count: int, out_m: float, more: int, alone: bool, counts: int, side: float
-) -> None:
-    """A track that slipped off a truck closed the only gap beside it. A cone of one point stands beside a car."""
-    across = side * np.concatenate([np.linspace(1.0, 3.0, count), [3.0 + out_m] * more])
-    place = np.column_stack([np.full(count + more, 8.0), across])
-    by_itself = np.arange(count + more) >= count if alone else np.zeros(count + more, np.bool_)
-    seen = replace(points(place, 0.02), sight_rad=np.zeros(count + more), alone=by_itself)
-    found = sides(seen, np.zeros(count + more, np.int64), np.array([8.0]), 0.2)
-    assert max(found, key=abs)[0] == pytest.approx(side * (3.0 + counts * out_m))
-
-
-@pytest.mark.parametrize(
-    ("others", "sigma_m", "alone", "stray"),
-    [
-        (0, 0.64, False, True),
-        (0, 0.25, False, False),  # known well
-        (0, 0.64, True, False),  # a pedestrian
-        (1, 0.64, False, False),  # two of them
-    ],
-)
-@pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_a_point_of_poor_depth_alone_behind_a_flank_and_beside_it_tells_no_side(
-    others: int, sigma_m: float, alone: bool, stray: bool, side: float
-) -> None:
-    """A truck's flank as the car passes it, and one point straight ahead, which may be of the horizon."""
-    flank = [(forward, side * 1.6) for forward in np.linspace(4.0, 5.5, 8)]
-    beyond = [(8.0, side * (0.5 - 0.1 * other)) for other in range(1 + others)]
-    place, last = np.array(flank + beyond), np.arange(len(flank) + len(beyond)) >= len(flank)
-    label = np.zeros(len(place), np.int64)
-    seen = replace(points(place), sigma_m=np.where(last, sigma_m, 0.05), alone=last & alone)
-    behind = np.where(stands_behind(seen, label, 1), 0, -1)
-    assert behind.tolist() == np.where(last, 0, -1).tolist()
-    seen = replace(seen, stray=strays(seen, behind))
-    assert seen.stray.tolist() == (last & stray).tolist()
-    nearest_m = min(abs(value[0]) for value in sides(seen, label, np.array([4.0]), 0.12))
-    assert (nearest_m > 1.4) == stray
+        assert (
+            fragments(ahead, left, right, np.full(2, angle), np.array([4, 4]), np.array([20, 6]), FRAGMENT).tolist()
+            == parts
+        )
 
 
 @pytest.mark.parametrize("sight_deg", [70.0, 89.9, 90.0, 95.0])
-def test_points_seen_across_the_road_do_not_stretch_a_body_without_end(sight_deg: float) -> None:
-    """A car that has turned far sees a body's flank along such lines; one of its points seems to stand before it."""
+def test_points_with_lines_of_sight_across_the_road_stretch_an_obstacle_little(sight_deg: float) -> None:
+    """A car that has turned far observes a flank along these lines; one of its points lies before the face."""
     place = np.array([[8.0, 1.0], [8.0, 1.4], [8.0, 1.8], [7.6, 1.4]])
     sight = np.radians([sight_deg] * 4)
     for turn in (-1.0, 1.0):
         seen = replace(points(place), sight_rad=turn * sight)
-        left, right = sides(seen, np.zeros(4, np.int64), np.array([8.0]), 0.2)
+        left, right = sides(seen, np.zeros(4, np.int64), np.array([8.0]))
         assert 0.5 <= left[0] <= 1.0
         assert 1.8 <= right[0] <= 2.3
 
 
 def standing(*rows: tuple[float, float, float]) -> Obstacles:
-    """Bodies by face, left and right side."""
+    """Obstacles by face, left and right side."""
     forward, left, right = np.array(rows).T
     some = np.zeros(len(rows))
     return Obstacles(forward, left, right, some + 0.1, some + np.inf, np.arange(len(rows)))
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_a_low_body_that_sticks_out_of_a_taller_one_is_not_taken_for_a_part_of_it(side: float) -> None:
-    """Beside a car's flank, 0.6 m wide or more as what is low is told: a wheel, a shadow's corner, and a pallet."""
+def test_a_low_obstacle_that_sticks_out_of_a_taller_one_is_its_own(side: float) -> None:
+    """Beside a car's flank, 0.6 m wide or more as what is low is reported: a wheel, a shadow's corner, and a pallet."""
     car = standing((5.5, *sorted((side * 2.5, side * 4.7))))
     wheel, shadow, pallet = ((6.5, *sorted((side * a, side * b))) for a, b in ((2.2, 2.8), (1.85, 2.45), (1.6, 2.45)))
     for one in (wheel, shadow):
-        assert len(joined(car, standing(one), 0.1, 0.75, 2.0)) == 1
-    both = joined(car, standing(pallet), 0.1, 0.75, 2.0)
+        assert len(join(car, standing(one), 0.1, 0.75, 2.0, 2.0)) == 1
+    both = join(car, standing(pallet), 0.1, 0.75, 2.0, 2.0)
     assert sorted(both.left_m.tolist()) == sorted((car.left_m[0], pallet[1]))
 
 
 @pytest.mark.parametrize(("before_m", "own"), [(0.8, False), (1.2, True)])
-def test_a_low_body_well_before_a_taller_ones_face_is_not_of_it(before_m: float, own: bool) -> None:
+def test_a_low_obstacle_well_before_a_taller_one_is_its_own(before_m: float, own: bool) -> None:
     wall, plank = standing((9.0, -3.0, 3.0)), standing((9.0 - before_m, -0.5, 0.5))
-    assert len(joined(wall, plank, 0.4, 1.0, 1.0)) == 1 + own
+    assert len(join(wall, plank, 0.4, 1.0, 1.0, 2.0)) == 1 + own
 
 
 def seen_wide(points: Obstacles, spots: Obstacles) -> Obstacles:
-    return widened_to_observation(points, spots, *nearest_spot(points, spots, 0.4))
+    return widen_to_tracks(points, spots, *match_tracks(points, spots, 1.0, 0.4))
 
 
-def test_a_low_body_is_as_wide_as_the_look_at_the_road_saw_it_and_where_its_points_are() -> None:
-    """A pallet from 1.0 to 1.8 m right, of which points show the left rim, and a spot that is told 0.2 m off."""
+def test_a_low_obstacle_has_the_width_of_its_track_and_contains_its_points() -> None:
+    """A pallet from 1.0 to 1.8 m right, of which points show the left rim, and a spot that is reported 0.2 m off."""
     seen = seen_wide(standing((8.0, 0.98, 1.1), (8.0, -3.0, -2.9)), standing((8.3, 1.2, 2.0)))
     assert [*seen.left_m, *seen.right_m] == pytest.approx([0.98, -3.0, 1.78, -2.9])
     mirrored = seen_wide(standing((8.0, -1.1, -0.98)), standing((8.3, -2.0, -1.2)))
@@ -365,16 +254,16 @@ def test_a_low_body_is_as_wide_as_the_look_at_the_road_saw_it_and_where_its_poin
 
 
 @pytest.mark.parametrize("spot", [(8.3, 1.7, 2.5), (10.3, 0.9, 1.7)])
-def test_a_spot_elsewhere_does_not_make_it_wider(spot: tuple[float, float, float]) -> None:
+def test_a_track_elsewhere_does_not_widen_it(spot: tuple[float, float, float]) -> None:
     assert seen_wide(standing((8.0, 1.0, 1.2)), standing(spot)).right_m == pytest.approx([1.2])
 
 
-def test_a_spot_within_the_points_neither_moves_them_nor_makes_them_narrower() -> None:
+def test_a_narrower_track_changes_nothing() -> None:
     seen = seen_wide(standing((8.0, 1.0, 2.0)), standing((8.0, 1.2, 1.8)))
     assert [*seen.left_m, *seen.right_m] == pytest.approx([1.0, 2.0])
 
 
-def test_of_two_spots_the_nearer_one_tells_how_wide_it_is_whichever_comes_first() -> None:
+def test_the_nearer_of_two_tracks_is_matched() -> None:
     points, spots = standing((8.0, 1.0, 1.2)), ((8.0, 0.2, 0.9), (8.0, 1.25, 2.0))
     for order in (spots, spots[::-1]):
         seen = seen_wide(points, standing(*order))
@@ -384,17 +273,19 @@ def test_of_two_spots_the_nearer_one_tells_how_wide_it_is_whichever_comes_first(
     assert len(seen_wide(none_seen, standing(*spots))) == 0
 
 
-@pytest.mark.parametrize(("low", "told"), [((8.5, 1.0, 1.85), (8.0, 1.0, 1.85)), ((7.7, 1.0, 1.6), (7.7, 1.0, 1.8))])
-def test_points_of_a_pallet_that_seem_to_stand_higher_do_not_hide_how_wide_it_is(
-    low: tuple[float, float, float], told: tuple[float, float, float]
+@pytest.mark.parametrize(
+    ("low", "reported"), [((8.5, 1.0, 1.85), (8.0, 1.0, 1.85)), ((7.7, 1.0, 1.6), (7.7, 1.0, 1.8))]
+)
+def test_a_tall_obstacle_on_a_wider_low_one_has_its_width(
+    low: tuple[float, float, float], reported: tuple[float, float, float]
 ) -> None:
-    """They are told by themselves where its right end is."""
-    seen = on_top(standing((8.0, 1.4, 1.8)), standing(low))
-    assert (seen.forward_m[0], seen.left_m[0], seen.right_m[0]) == pytest.approx(told)
+    """They are reported by themselves where its right end is."""
+    seen = extend_by_low(standing((8.0, 1.4, 1.8)), standing(low), 0.5, 2.0)
+    assert (seen.forward_m[0], seen.left_m[0], seen.right_m[0]) == pytest.approx(reported)
 
 
 @pytest.mark.parametrize("low", [(8.5, 1.9, 2.5), (10.5, 1.0, 1.85), (7.0, 1.0, 1.85), (8.0, 1.3, 1.6)])
-def test_what_lies_elsewhere_or_is_narrower_is_not_of_a_tall_body(low: tuple[float, float, float]) -> None:
-    """Beside it, behind, before: a body of its own, which must keep its face; and a wheel."""
-    seen = on_top(standing((8.0, 1.4, 1.8)), standing(low))
+def test_a_low_obstacle_elsewhere_or_narrower_extends_nothing(low: tuple[float, float, float]) -> None:
+    """Beside it, behind, before: an obstacle of its own, which must keep its face; and a wheel."""
+    seen = extend_by_low(standing((8.0, 1.4, 1.8)), standing(low), 0.5, 2.0)
     assert (seen.forward_m[0], seen.left_m[0], seen.right_m[0]) == (8.0, 1.4, 1.8)

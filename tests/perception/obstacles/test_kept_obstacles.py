@@ -1,27 +1,15 @@
-"""Which bodies are kept in the world, which are forgotten, and what clears them."""
+"""Which obstacles are kept in the world, and which are pruned."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from tracked_points import Drive, body, road_points, tracker
 
-from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation
 from vpf_sim.types import Floats, Obstacles
 
 
-@pytest.mark.parametrize(("count", "kept"), [(3, 0), (5, 1), (12, 1)])
-def test_a_look_at_the_road_does_not_clear_a_body_that_many_points_tell(count: int, kept: int) -> None:
-    drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, count), road_points(100)])), tracker()
-    bodies = drive.run(found, range(330))[-1]
-    assert len(bodies) == 1
-    assert found.is_well_supported(bodies).tolist() == [bool(kept)]
-    found.remove(bodies, 0, drive.pose(329), (2.5, 0.5))
-    assert len(drive.run(found, range(330, 334))[-1]) == kept
-
-
-def test_a_body_is_remembered_out_of_view_and_forgotten_once_passed() -> None:
+def test_an_obstacle_is_kept_out_of_view_and_pruned_once_passed() -> None:
     drive = Drive(np.concatenate([body(30.0, 2.5, 1.6, 1.3, 10), road_points(100)]))
     found = drive.run(tracker(), range(480))
     beside = next(k for k in range(480) if drive.pose(k)[0] > 30.0)
@@ -32,168 +20,53 @@ def test_a_body_is_remembered_out_of_view_and_forgotten_once_passed() -> None:
     assert not len(found[passed])
 
 
-def test_a_lost_track_clears_nothing() -> None:
+def test_lost_tracks_delete_no_obstacle() -> None:
     drive = Drive(np.concatenate([body(40.0, 0.0, 1.8, 1.4, 10), road_points(100)]))
     watch = tracker()
     seen = drive.run(watch, range(280))
     assert len(seen[-1]) == 1
     drive.scene = np.concatenate([np.tile([-50.0, 0.0, 0.0], (10, 1)), drive.scene[10:]])
     later = drive.run(watch, range(280, 400))
-    assert all(len(bodies) == 1 for bodies in later)
+    assert all(len(obstacles) == 1 for obstacles in later)
     assert later[-1].forward_m[0] == pytest.approx(40.0 - drive.pose(399)[0], abs=0.5)
 
 
-@pytest.mark.parametrize(("lost", "told"), [(True, 1), (False, 2)])
-def test_what_parted_from_a_body_and_was_lost_is_none_once_that_is_passed(lost: bool, told: int) -> None:
+@pytest.mark.parametrize(("lost", "reported"), [(True, 1), (False, 2)])
+def test_a_lost_fragment_is_no_obstacle_once_the_other_is_passed(lost: bool, reported: int) -> None:
     """Three points that passed for a car's stand 7 m behind its rear, 0.8 m beside it: while it is ahead it may hide
     them, as it does those that slide along its edge."""
     parted = [[47.0, 4.1, 0.6], [47.0, 4.3, 0.9], [47.0, 4.2, 0.4]]
     drive = Drive(np.concatenate([body(40.0, 2.5, 1.6, 1.3, 10), road_points(100), parted]))
     found = tracker()
     assert len(drive.run(found, range(300))[-1]) == 2
-    found._points.body[found._points.body >= 0] = 0
+    found.points.obstacle[found.points.obstacle >= 0] = 0
     assert len(drive.run(found, range(300, 303))[-1]) == 1
     if lost:
         drive.scene[-3:] = [-50.0, 0.0, 0.0]
     looks = drive.run(found, range(303, 480))
     passed = [look for look, k in zip(looks, range(303, 480), strict=True) if drive.pose(k)[0] > 40.0]
-    assert {len(look) for look in passed} == {told}
+    assert {len(look) for look in passed} == {reported}
 
 
-@pytest.mark.parametrize(("right_m", "kept"), [(0.3, 0), (2.5, 1)])
-def test_what_a_body_drives_over_is_none(right_m: float, kept: int) -> None:
-    """Its own points, before it was known to move; not what stands in the next lane."""
-    drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, 12), road_points(100)])), tracker()
-    bodies = drive.run(found, range(330))[-1]
-    assert len(bodies) == 1
-    drives = replace(
-        bodies, left_m=np.array([right_m - 1.0]), right_m=np.array([right_m + 1.0]), speed_mps=np.full(1, 3.0)
-    )
-    spot = LowObservation(float(bodies.forward_m[0]), 0.0, 0.6, 10.0)
-    found._low_tracks.record([spot], drive.pose(329))
-    found._make_way(drives, drive.pose(329), drive.road)
-    assert len(found._low_tracks._known) == kept
-    for track in range(12):  # and is not seen again
-        drive.scene[track] = [-50.0, 0.0, 0.0]
-    assert len(drive.run(found, range(330, 334))[-1]) == kept
-
-
-def test_what_a_body_drives_over_is_not_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nor was it when the older picture was taken, 4.5 m of our way before, 2.4 m of its own."""
+def test_parallax_ignores_where_a_moving_obstacle_is_and_was(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nor was it when the older image was taken, 4.5 m of our way before, 2.4 m of its own."""
     found, seen, one = tracker(), list[Floats](), np.ones(1)
-    monkeypatch.setattr(found._parallax, "update", lambda *arguments: seen.append(arguments[2]))
+    monkeypatch.setattr(found.parallax, "update", lambda *arguments: seen.append(arguments[2]))
     drives = Obstacles(12.0 * one, -1.0 * one, one, 0.5 * one, one, -one.astype(np.int64), 3.0 * one)
-    found.look(np.zeros((480, 640), np.uint8), np.zeros(3), Drive(road_points(9)).road, drives, 5.6)
+    found.compare_road(np.zeros((480, 640), np.uint8), np.zeros(3), Drive(road_points(9)).road, drives, 5.6)
     assert seen[0].shape == (1, 4, 2)
     assert seen[0][0, :, 0].min() == pytest.approx(12.0 - 0.8 - 3.0 * 4.5 / 5.6)
 
 
-@pytest.mark.parametrize(("drives", "told"), [(True, False), (False, True)])
-def test_a_far_car_that_drives_across_is_no_body_nearby(drives: bool, told: bool) -> None:
-    """On its corners alone, each seen where one of a body at 40 m would be that stands."""
-    corners = np.array([[40.0, 1.5 + 0.12 * k, 1.2 + 0.06 * (k % 3)] for k in range(5)])
-    drive, found = Drive(np.concatenate([corners, road_points(100)])), tracker()
-    eye_m, bodies = np.array([drive.pose(0)[0] + found.camera.forward_m, 0.0, found.camera.height_m]), []
-    for k in range(320):
-        at = drive.pose(k)[0]
-        if drives:  # 55 m ahead, the first corner in line with the one that stands
-            here = eye_m + np.array([at, 0.0, 0.0])
-            sight = corners[0] - here
-            drive.scene[:5] = here + sight * 55.0 / sight[0] + 4.6 * (corners - corners[0]) * [0.0, 1.0, 1.0]
-        bodies += drive.run(found, range(k, k + 1))
-    assert any(len(body) for body in bodies[240:]) == told
+def test_the_road_behind_an_obstacle_is_ignored() -> None:
+    drive, found, hidden = Drive(np.concatenate([standing(1.4), road_points(100)])), tracker(), list[int]()
+    assert len(drive.run(found, range(370))[-1]) == 1
+    found.parallax = SimpleNamespace(looks=True, update=lambda _image, _pose, corners: hidden.append(len(corners)))  # type: ignore[assignment]
+    found.compare_road(np.zeros((480, 640), np.uint8), drive.pose(369), drive.road, speed_mps=5.0)
+    assert hidden == [1]
 
 
-@pytest.mark.parametrize(("low_m", "kept"), [(1.2, 0), (0.3, 1)])
-def test_what_was_high_up_and_is_not_seen_again_on_the_way_to_it_is_none(low_m: float, kept: int) -> None:
-    """High corners of a car that drives far away pass for a pedestrian's; his legs are seen nearer."""
-    corners = [[40.0, 0.1 * k - 1.0, height] for k, height in enumerate(np.linspace(low_m, 1.5, 5))]
-    drive, found = Drive(np.concatenate([corners, road_points(100)])), tracker()
-    told = drive.run(found, range(300))
-    assert len(told[-1]) == 1
-    drive.scene[:5] = [-50.0, 0.0, 0.0]
-    near = next(k for k in range(400) if 40.0 - drive.pose(k)[0] < 9.0)
-    later = drive.run(found, range(300, near))
-    assert len(later[3]) == 1
-    assert len(later[-1]) == kept
-
-
-@pytest.mark.parametrize(
-    ("lost", "right_m", "first", "last", "told"),
-    [(True, 1.0, 180, 240, 1), (False, 1.0, 180, 240, 2), (True, -15.0, 180, 240, 2), (True, 1.0, 272, 300, 2)],
-    ids=["lost", "seen", "beside the picture", "near"],
-)
-def test_what_is_not_seen_again_on_the_way_to_it_is_no_part_of_a_body(
-    lost: bool, right_m: float, first: int, last: int, told: int
-) -> None:
-    """Three points that passed for a barrier's seem to stand 6 m before it."""
-    part = [[34.0, 0.8, 0.6], [34.0, 1.0, 0.9], [34.0, 1.2, 0.4]]
-    drive = Drive(np.concatenate([body(40.0, 1.5, 3.0, 1.2, 20), road_points(100), part]))
-    found = tracker()
-    assert len(drive.run(found, range(first))[-1]) == 2
-    marks = found._points
-    marks.body[marks.body >= 0] = 0
-    if lost:
-        drive.scene[-3:] = [-50.0, 0.0, 0.0]
-    assert len(drive.run(found, range(first, first + 3))[-1]) == 2
-    marks.place_m[marks.place_m[:, 0] < 37.0, 1] += right_m - 1.0
-    assert len(drive.run(found, range(first + 3, last))[-1]) == told
-
-
-@pytest.mark.parametrize(("sigma_m", "low", "sure"), [(0.3, False, True), (1.2, False, False), (0.1, True, False)])
-def test_points_known_badly_or_low_tell_no_body_surely(sigma_m: float, low: bool, sure: bool) -> None:
-    drive, found = Drive(np.concatenate([body(40.0, 0.3, 1.8, 1.4, 7), road_points(100)])), tracker()
-    bodies = drive.run(found, range(330))[-1]
-    found._points.sigma_m[:], found._points.low[:] = sigma_m, low
-    assert found.is_well_supported(bodies).tolist() == [sure]
-
-
-@pytest.mark.parametrize(
-    ("points", "middle_m", "sure"),
-    [(True, 0.1, [True]), (True, None, [False]), (False, 0.1, [False]), (True, 3.0, [False, False])],
-    ids=["both", "points", "a spot", "apart"],
-)
-def test_no_second_look_refutes_what_low_points_and_looks_at_the_road_tell_of_both(
-    points: bool, middle_m: float | None, sure: list[bool]
-) -> None:
-    low = [[40.0, -0.38, 0.15], [40.0, -0.3, 0.15], [40.3, -0.36, 0.14]]
-    drive, found = Drive(np.concatenate([*([low] if points else []), road_points(100)])), tracker()
-    for k in range(355):
-        bodies = drive.run(found, range(k, k + 1))[-1]
-        forward_m = 40.0 - drive.pose(k)[0]
-        if middle_m is not None and forward_m < 16.0 and k % 6 == 0:
-            found._low_tracks.record(
-                [LowObservation(forward_m, middle_m - 0.4, middle_m + 0.4, gain=20.0)], drive.pose(k)
-            )
-    assert found.is_verified(bodies).tolist() == sure
-
-
-@pytest.mark.parametrize(
-    ("spot_m", "tall", "refuted", "seen"),
-    [
-        (8.2, False, False, True),  # 2.2 m behind the face of what is low
-        (7.4, False, False, False),  # its own far edge, or what it hides
-        (8.2, True, False, False),
-        (7.4, True, True, True),  # in its place the road was seen: it was told too near, and this is it
-    ],
-)
-def test_what_is_low_hides_little_and_what_was_refuted_nothing(
-    spot_m: float, tall: bool, refuted: bool, seen: bool
-) -> None:
-    found, ahead = tracker(), Obstacles(*(np.array([value]) for value in (6.0, -0.6, 0.6, 0.4, np.inf)), np.array([7]))
-    found._tall = ahead if tall else ahead.chosen(np.zeros(1, np.bool_))
-    if refuted:
-        found.refute(ahead.identity)
-    lens = np.array([0.8, 0.0])
-    assert (found._in_sight(LowObservation(spot_m, -0.4, 0.4, 30.0), [lens], ahead) is not None) == seen
-
-
-@pytest.mark.parametrize("refuted", [False, True])
-def test_the_road_behind_a_body_is_left_out_unless_that_was_refuted(refuted: bool) -> None:
-    found, hidden = tracker(), []
-    found._tall = Obstacles(*(np.array([value]) for value in (9.0, -0.9, 0.9, 0.4, np.inf)), np.array([7]))
-    found._parallax = SimpleNamespace(looks=True, update=lambda _image, _pose, corners: hidden.append(len(corners)))  # type: ignore[assignment]
-    if refuted:
-        found.refute(np.array([7]))
-    found.look(np.zeros((480, 640), np.uint8), np.zeros(3), Drive(road_points(4)).road, speed_mps=5.0)
-    assert hidden == [0 if refuted else 1]
+def standing(height_m: float) -> Floats:
+    """Points of an obstacle 1.2 m wide."""
+    across = np.linspace(-0.6, 0.6, 9)
+    return np.column_stack([np.full(9, 42.0), across, np.linspace(0.7 * height_m, height_m, 9)])

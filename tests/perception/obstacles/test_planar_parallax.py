@@ -3,11 +3,11 @@
 import cv2
 import numpy as np
 import pytest
-from driver_settings import optional_sections, section, static_obstacles, without
+from driver_settings import optional_sections, static_obstacles, without
 from plated_road import CAMERA, PLATE_M, frame
 
 from vpf_sim.geometry import rotation
-from vpf_sim.perception.obstacles.planar_parallax.config import ParallaxConfig
+from vpf_sim.perception.obstacles.planar_parallax.config import LowTrackConfig, ParallaxConfig
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation, PlanarParallax
 from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks
 from vpf_sim.perception.road.config import OcclusionConfig
@@ -17,7 +17,7 @@ from vpf_sim.types import Floats, Image, Obstacles, RoadEdges
 
 SPEED_MPS, LOOKS_HZ = 5.55, 10.0
 BUMPER_M = 2.25
-CONFIG, TRACKS = static_obstacles().residual, static_obstacles().spots
+CONFIG, TRACKS = static_obstacles().planar_parallax, static_obstacles().low_tracks
 STRAIGHT = RoadEdges(-7.0, 7.0, 0.0, 0.0, 0.05, 1.0, 0.0, 3.5)
 
 
@@ -115,34 +115,6 @@ def test_a_known_obstacle_is_left_out_with_what_it_hides_only(
     assert found is seen
 
 
-@pytest.mark.parametrize(("right_m", "is_road"), [(0.2, False), (-1.5, True)])
-def test_the_difference_at_a_foot_tells_road_from_obstacle(right_m: float, is_road: bool) -> None:
-    """An obstacle is reported where the plate is, or beside it."""
-    residual, one, found = PlanarParallax(CAMERA, CONFIG, LOOKS_HZ), np.ones(1), []
-    for forward in np.arange(10.0, PLATE_M[0, 0] - BUMPER_M - 6.5, SPEED_MPS / LOOKS_HZ).tolist():
-        residual.update(frame(forward, 0.15), np.array([forward, 0.0, 0.0]))
-        face = (PLATE_M[0, 0] - forward) * one
-        body = Obstacles(face, (right_m - 0.3) * one, (right_m + 0.3) * one, 0.2 * one, one, np.array([1]))
-        found.append(float(residual.difference_at(body)[0]))
-    seen, config = np.array(found)[np.isfinite(found)], section("static_obstacles.free_road")
-    assert len(seen) >= 4
-    assert np.count_nonzero(seen < config.road) >= config.looks if is_road else np.median(seen) > config.body
-
-
-def test_beyond_the_noise_range_no_foot_is_compared() -> None:
-    """So far away a faint obstacle looks like road."""
-    residual, one, config = PlanarParallax(CAMERA, CONFIG, LOOKS_HZ), np.ones(1), CONFIG
-    found = []
-    for forward in np.arange(8.5, PLATE_M[0, 0] - 8.0, SPEED_MPS / LOOKS_HZ).tolist():
-        residual.update(frame(forward, 0.15), np.array([forward, 0.0, 0.0]))
-        face = (PLATE_M[0, 0] - forward) * one
-        body = Obstacles(face, -0.3 * one, 0.3 * one, 0.2 * one, one, np.array([1]))
-        found.append((face[0], float(residual.difference_at(body)[0])))
-    assert any(config.noise_far_m < face < config.far_m for face, _ in found)
-    assert all(np.isnan(difference) for face, difference in found if face > config.noise_far_m)
-    assert any(np.isfinite(difference) for _, difference in found)
-
-
 def test_nothing_is_reported_without_a_baseline() -> None:
     residual = PlanarParallax(CAMERA, CONFIG, 60.0)
     image = frame(0.0, 0.15)
@@ -156,6 +128,32 @@ def test_an_observation_waits_while_the_wiper_hides_the_road() -> None:
         looked += [index] if residual.looks and not hidden else []
         residual.update(None if hidden else image, np.zeros(3))
     assert looked == [0, 9, 15, 21]
+
+
+def recorded(places_m: list[float], speed_mps: float = SPEED_MPS, config: LowTrackConfig = TRACKS) -> list[Obstacles]:
+    """Confirmed tracks after each observation so far ahead, one each 0.1 s, straight on."""
+    numbers = iter(range(5))
+    book, found = LowObstacleTracks(config, lambda: next(numbers)), []
+    for k, place in enumerate(places_m):
+        pose = np.array([k * speed_mps / LOOKS_HZ, 0.0, 0.0])
+        book.record([LowObservation(place, -0.4, 0.4, 30.0)] if np.isfinite(place) else [], pose)
+        found.append(book.bodies(pose))
+    return found
+
+
+def test_a_track_is_confirmed_when_it_stays_in_the_world() -> None:
+    step = SPEED_MPS / LOOKS_HZ
+    found = recorded([12.0 - k * step for k in range(6)] + [np.nan] * 30)
+    assert [len(bodies) for bodies in found[:4]] == [0, 0, 1, 1]
+    last = found[20]
+    assert last.forward_m[0] == pytest.approx(12.0 - 20 * step)
+    assert (last.left_m[0], last.right_m[0]) == pytest.approx((-0.4, 0.4))
+    assert {int(name) for bodies in found for name in bodies.identity} == {0}
+    assert len(recorded([12.0 - k * step for k in range(6)] + [np.nan] * 40)[-1]) == 0, "pruned once passed"
+
+
+def test_a_track_of_single_flashes_is_pruned() -> None:
+    assert not any(len(bodies) for bodies in recorded([12.0, np.nan, np.nan, np.nan, 9.8, np.nan, np.nan, np.nan, 7.6]))
 
 
 @pytest.mark.parametrize("path", list(optional_sections(CONFIG)))

@@ -8,7 +8,7 @@ from driver_settings import static_obstacles
 
 from vpf_sim.perception.obstacles.planar_parallax.sensing_range import SensingRange
 
-CONFIG = static_obstacles().residual.sensing_range
+CONFIG = static_obstacles().planar_parallax.sensing_range
 NEAR_M, PERIOD_S, SIGHTINGS = 6.5, 0.1, 2
 GRAIN = 3.0
 

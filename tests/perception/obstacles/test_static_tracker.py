@@ -1,6 +1,5 @@
-"""Landmarks from simulated tracks: bodies at known places, empty roads, bends."""
+"""Landmarks from simulated tracks: obstacles at known places, empty roads, bends."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
 
@@ -10,19 +9,19 @@ from driver_settings import optional_sections, static_obstacles, without
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import vehicle_from_world, wrap_angle
+from vpf_sim.perception.obstacles.obstacle_clusters import ObstacleClusters
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation
 from vpf_sim.perception.obstacles.point_hypotheses import PointHypotheses
-from vpf_sim.perception.obstacles.static_obstacles import Bodies
 from vpf_sim.perception.obstacles.static_tracker import StaticObstacleTracker
 from vpf_sim.types import Floats, Flow, RoadEdges
 
 BUMPER_M = 2.25  # ahead of the pose
 
 
-def test_a_car_is_found_far_off_and_measured() -> None:
+def test_a_car_is_detected_far_away_and_measured() -> None:
     drive = Drive(np.concatenate([body(60.0, 0.3, 1.8, 1.4, 14), road_points(200)]))
     found = drive.run(tracker(), range(560))
-    first = next(k for k, bodies in enumerate(found) if len(bodies))
+    first = next(k for k, obstacles in enumerate(found) if len(obstacles))
     assert 60.0 - drive.pose(first)[0] > 17.0
     last = found[-1]
     assert len(last) == 1
@@ -30,7 +29,7 @@ def test_a_car_is_found_far_off_and_measured() -> None:
     assert (last.left_m[0], last.right_m[0]) == pytest.approx((-0.6, 1.2), abs=0.15)
     assert last.ttc_s[0] == pytest.approx(last.forward_m[0] / SPEED_MPS)
     assert last.sigma_m[0] < 0.3
-    names = {int(name) for bodies in found for name in bodies.identity}
+    names = {int(name) for obstacles in found for name in obstacles.identity}
     assert names == {0}
 
 
@@ -38,58 +37,13 @@ OWN = [path for path in optional_sections(static_obstacles()) if "." not in path
 
 
 @pytest.mark.parametrize("path", OWN)
-def test_a_car_is_found_with_each_mechanism_switched_off(path: str) -> None:
+def test_a_car_is_detected_with_each_mechanism_switched_off(path: str) -> None:
     drive = Drive(np.concatenate([body(30.0, 0.3, 1.8, 1.4, 14), road_points(100)]))
     found = drive.run(StaticObstacleTracker(CAMERA, without(static_obstacles(), path), RATE_HZ), range(200))
     assert len(found[-1]) == 1
 
 
-@pytest.mark.parametrize(("right_m", "told_m"), [(-1.0, 10.0), (0.2, 9.0)])
-def test_one_corner_is_enough_for_a_cone(right_m: float, told_m: float) -> None:
-    """Dead ahead it moves least, and its depth is known worst."""
-    drive = Drive(np.concatenate([[[50.0, right_m, 0.5]], road_points(200)]))
-    found = drive.run(tracker(), range(500))
-    first = next(k for k, bodies in enumerate(found) if len(bodies))
-    assert 50.0 - drive.pose(first)[0] - BUMPER_M > told_m
-    sides = (right_m - 0.2, right_m + 0.2)  # as wide as its base
-    assert (found[-1].left_m[0], found[-1].right_m[0]) == pytest.approx(sides, abs=0.05)
-
-
-@pytest.mark.parametrize(
-    ("height_m", "ratio", "seed_weight", "told"),
-    [
-        (0.37, 0.03, 1.0, True),
-        (0.33, 0.03, 1.0, False),
-        (0.37, 0.06, 1.0, False),
-        (0.47, 0.06, 1.0, True),
-        (0.80, 0.08, 1.0, False),
-        (0.47, 0.06, 0.5, False),
-    ],
-)
-def test_a_corner_that_stands_alone_is_the_higher_the_worse_its_depth_is_known(
-    height_m: float, ratio: float, seed_weight: float, told: bool
-) -> None:
-    one, depth_m = np.ones(1), 12.0
-    marks = SimpleNamespace(
-        hits=np.full(1, 20),
-        depth_m=depth_m * one,
-        sigma_m=ratio * depth_m * one,
-        height_m=height_m * one,
-        seed_weight=seed_weight * one,
-    )
-    bodies = Bodies(CAMERA, static_obstacles(), cast("PointHypotheses", marks), RATE_HZ)
-    assert bodies._are_tall(np.zeros(1, np.int64), np.zeros(1, np.int64)).tolist() == [told]
-
-
-@pytest.mark.parametrize(("small", "told"), [(40.0, True), (27.0, False)])
-def test_a_few_faint_points_found_no_body(small: float, told: bool) -> None:
-    """The rim of a puddle and the clouds in it cross in points that slide along both; those of a cone are clearer."""
-    scene = np.array([[50.0, -1.0, 0.3], [50.0, -0.8, 0.45], [50.1, -0.9, 0.6]])
-    found = Drive(np.concatenate([scene, road_points(200)]), structure=small * np.eye(2)).run(tracker(), range(480))
-    assert any(len(bodies) for bodies in found) == told
-
-
-def test_faint_points_support_what_clear_ones_found() -> None:
+def test_faint_points_support_clear_ones() -> None:
     """A car's plain rear between its lamps."""
     scene = np.concatenate([body(60.0, 0.3, 1.8, 1.4, 14), road_points(200)])
     structure = np.tile(20.0 * np.eye(2), (len(scene), 1, 1))
@@ -98,34 +52,17 @@ def test_faint_points_support_what_clear_ones_found() -> None:
     assert (found.left_m[0], found.right_m[0]) == pytest.approx((-0.6, 1.2), abs=0.15)
 
 
-@pytest.mark.parametrize(("count", "large", "told"), [(5, 100.0, True), (5, 600.0, False), (2, 100.0, False)])
-def test_a_pedestrian_is_told_by_the_corners_of_his_upper_half(count: int, large: float, told: bool) -> None:
+@pytest.mark.parametrize(("count", "large", "reported"), [(5, 100.0, True), (5, 600.0, False), (2, 100.0, False)])
+def test_a_pedestrian_is_detected_by_the_corners_of_his_upper_half(count: int, large: float, reported: bool) -> None:
     """His legs swing and are not followed. Seen beside him the road is far away, where bends of lines slide so high up;
     and where two outlines cross a corner slides as well."""
     person = np.array([[50.0, -1.0 + 0.1 * k, 1.0 + 0.12 * k] for k in range(5)])[5 - count :]
     scene, structure = np.concatenate([person, road_points(200)]), np.diag([100.0, large])
     found = Drive(scene, structure=structure).run(tracker(), range(385))
-    assert any(len(bodies) for bodies in found) == told
+    assert any(len(obstacles) for obstacles in found) == reported
 
 
-@pytest.mark.parametrize(("small", "told"), [(100.0, True), (15.0, False)])
-def test_a_cone_before_the_edge_line_is_told_by_its_corners(small: float, told: bool) -> None:
-    """It stands 0.9 m inside the carriageway: seen against the verge. There an edge is taken for one of the line's."""
-    cone = np.array([[50.0, 4.2, 0.35], [50.0, 4.4, 0.35], [50.0, 4.3, 0.45]])
-    drive = Drive(np.concatenate([cone, road_points(200)]), structure=np.diag([small, 100.0]))
-    found = drive.run(tracker(), range(430))
-    assert any(len(bodies) and bodies.forward_m[0] > 13.0 for bodies in found) == told
-
-
-def test_a_body_begins_at_the_few_points_of_what_stands_close_before_it() -> None:
-    """A post 1.8 m before a wall, of which eight times as many points are seen."""
-    scene = np.concatenate([body(40.0, -1.5, 0.6, 1.0, 4), body(41.8, 0.0, 6.0, 1.2, 32), road_points(100)])
-    drive = Drive(scene)
-    found = drive.run(tracker(), range(340))[-1]
-    assert found.forward_m.min() == pytest.approx(40.0 - drive.pose(339)[0], abs=0.5)
-
-
-def test_who_stands_behind_a_long_body_and_beside_it_has_a_name_of_his_own() -> None:
+def test_a_pedestrian_behind_and_beside_a_truck_has_his_own_identity() -> None:
     """A pedestrian 4 m behind a truck's face, 0.5 m beside its flank, of which corners are seen."""
     flank = [[40.0 + back, 0.8, high] for back in (1.5, 3.0, 4.5) for high in (0.6, 0.9)]
     person = [[44.0, across, high] for across in (0.0, 0.3) for high in (0.5, 1.2)]
@@ -134,11 +71,11 @@ def test_who_stands_behind_a_long_body_and_beside_it_has_a_name_of_his_own() -> 
     first = next(k for k, look in enumerate(looks) if len(look) == 2)
     assert 40.0 - drive.pose(first)[0] > 11.2
     assert all(len(look) == 2 for look in looks[first:]), "not yet well placed, he keeps the truck's name"
-    bodies = looks[-1]
-    order = np.argsort(bodies.left_m)
-    assert bodies.left_m[order] == pytest.approx([0.0, 0.8], abs=0.15)
-    assert bodies.right_m[order] == pytest.approx([0.3, 3.2], abs=0.15)
-    assert len(set(bodies.identity.tolist())) == 2
+    obstacles = looks[-1]
+    order = np.argsort(obstacles.left_m)
+    assert obstacles.left_m[order] == pytest.approx([0.0, 0.8], abs=0.15)
+    assert obstacles.right_m[order] == pytest.approx([0.3, 3.2], abs=0.15)
+    assert len(set(obstacles.identity.tolist())) == 2
 
 
 @pytest.mark.parametrize(
@@ -150,71 +87,35 @@ def test_who_stands_behind_a_long_body_and_beside_it_has_a_name_of_his_own() -> 
     ],
     ids=["a cone beside a truck", "a part of it", "two parts of one"],
 )
-def test_a_body_with_a_name_keeps_it_though_points_of_another_join_it(
+def test_an_obstacle_keeps_its_identity_though_points_of_another_join_it(
     before: list[int], label: list[int], named: list[int]
 ) -> None:
     """Corners of a truck's flank are seen beside a cone: under the truck's name it would be a part of it."""
-    marks, one = SimpleNamespace(body=np.array(before)), np.ones(len(named), np.bool_)
-    bodies = Bodies(CAMERA, static_obstacles(), cast("PointHypotheses", marks), RATE_HZ)
-    assert bodies._named(np.arange(len(label)), np.array(label), one, one, ~one).tolist() == named
-    assert marks.body.tolist() == [named[k] for k in label]
+    points, one = SimpleNamespace(obstacle=np.array(before)), np.ones(len(named), np.bool_)
+    obstacles = ObstacleClusters(CAMERA, static_obstacles(), cast("PointHypotheses", points))
+    assert obstacles.identify(np.arange(len(label)), np.array(label), one, one, ~one).tolist() == named
+    assert points.obstacle.tolist() == [named[k] for k in label]
 
 
 @pytest.mark.parametrize(("placed", "named"), [(False, -1), (True, 2)])
-def test_a_badly_placed_splinter_of_a_body_is_not_told_under_its_name(placed: bool, named: int) -> None:
+def test_a_badly_placed_fragment_does_not_take_the_identity(placed: bool, named: int) -> None:
     """Two of a barrier's corners, seen only from afar, seemed to stand 4 m before the car that had passed it."""
-    marks, both = SimpleNamespace(body=np.full(6, 2)), np.ones(2, np.bool_)
-    bodies = Bodies(CAMERA, static_obstacles(), cast("PointHypotheses", marks), RATE_HZ)
+    points, both = SimpleNamespace(obstacle=np.full(6, 2)), np.ones(2, np.bool_)
+    obstacles = ObstacleClusters(CAMERA, static_obstacles(), cast("PointHypotheses", points))
     label = np.array([0, 0, 0, 0, 1, 1])
-    assert bodies._named(np.arange(6), label, both, np.array([False, placed]), ~both).tolist() == [2, named]
-
-
-@pytest.mark.parametrize(("heading_rad", "told"), [(0.0, 1), (0.25, 1), (-0.35, 0)])
-def test_what_shows_up_near_is_told_unless_the_car_is_turned(heading_rad: float, told: int) -> None:
-    """A post that comes into view 6 m before the camera. Of a car that is turned far it might be the flank."""
-    drive = Drive(np.concatenate([body(40.0, 0.5, 0.5, 1.6, 8), road_points(100)]))
-    first = round((40.0 - CAMERA.forward_m - 6.0) / SPEED_MPS * RATE_HZ)
-    drive.road = replace(drive.road, heading_rad=heading_rad)
-    found = drive.run(tracker(), range(first, first + 24))[-1]
-    assert (found.left_m, found.right_m) == (
-        pytest.approx([0.25] * told, abs=0.1),
-        pytest.approx([0.75] * told, abs=0.1),
-    )
-    assert found.forward_m + drive.pose(first + 23)[0] == pytest.approx([40.0] * told, abs=0.15)
-
-
-@pytest.mark.parametrize(("speed_mps", "frames"), [(5.55, 20), (0.8, 60)])
-def test_a_body_is_told_once_the_car_has_gone_a_share_of_the_way_to_it(speed_mps: float, frames: int) -> None:
-    """8 m ahead from the first frame on; creeping up, what moves over the glass in less would seem to stand there."""
-    drive = Drive(np.concatenate([body(8.0, 0.3, 1.8, 1.4, 8), road_points(100)]), speed_mps=speed_mps)
-    told = [len(bodies) > 0 for bodies in drive.run(tracker(), range(frames))]
-    way_m = drive.pose(told.index(True))[0]
-    assert 0.06 * 6.5 < way_m < 0.06 * 8.0 + 1.0
-    assert all(told[told.index(True) :])
-
-
-def test_the_corner_of_a_shadow_and_a_wheel_are_no_body_beside_the_car() -> None:
-    """A car's face and flank, low points of its wheel, and one 0.8 m beside these that seems to stand 0.1 m high."""
-    face = body(40.0, 3.0, 2.0, 1.4, 10)
-    flank = [[along, 2.0, 0.6] for along in (42.0, 44.0, 44.3)]
-    low = np.array([[44.2, 2.0, 0.15], [44.1, 1.2, 0.1]])
-    found = Drive(np.concatenate([face, flank, low, road_points(100)])).run(tracker(), range(400))
-    assert all(len(bodies) <= 1 and bodies.left_m.min(initial=2.0) > 1.7 for bodies in found)
-    assert len(found[-1]) == 1
-    alone = Drive(np.concatenate([low, road_points(100)])).run(tracker(), range(430))
-    assert any(len(bodies) for bodies in alone), "without the car they are a pallet"
+    assert obstacles.identify(np.arange(6), label, both, np.array([False, placed]), ~both).tolist() == [2, named]
 
 
 @pytest.mark.parametrize("curvature_per_m", [0.0, 0.01, -0.0125])
 def test_an_empty_road_stays_empty(curvature_per_m: float) -> None:
     drive = Drive(road_points(400, curvature_per_m), noise_px=0.1, curvature_per_m=curvature_per_m)
-    assert not any(len(bodies) for bodies in drive.run(tracker(), range(600)))
+    assert not any(len(obstacles) for obstacles in drive.run(tracker(), range(600)))
 
 
-def test_what_stands_beside_the_carriageway_is_no_obstacle() -> None:
+def test_objects_beside_the_carriageway_are_no_obstacles() -> None:
     beside = np.concatenate([body(40.0, 7.0, 1.0, 1.2, 6), body(45.0, -11.0, 1.0, 1.2, 6)])
     drive = Drive(np.concatenate([beside, road_points(100)]))
-    assert not any(len(bodies) for bodies in drive.run(tracker(), range(400)))
+    assert not any(len(obstacles) for obstacles in drive.run(tracker(), range(400)))
 
 
 def test_in_a_bend_the_carriageway_bends() -> None:
@@ -233,7 +134,7 @@ def test_in_a_bend_the_carriageway_bends() -> None:
     assert 0.5 * (last.left_m[0] + last.right_m[0]) == pytest.approx(place[1], abs=0.5)
 
 
-def test_two_bodies_in_a_row_stay_two() -> None:
+def test_two_obstacles_in_a_row_stay_two() -> None:
     scene = [body(45.0, -2.5, 1.8, 1.4, 10), body(45.5, 2.8, 1.8, 1.4, 10), road_points(100)]
     last = Drive(np.concatenate(scene)).run(tracker(), range(380))[-1]
     assert len(last) == 2
@@ -242,19 +143,7 @@ def test_two_bodies_in_a_row_stay_two() -> None:
     assert last.left_m[order[1]] > 1.7
 
 
-def test_a_side_known_well_across_counts_however_poor_its_depth() -> None:
-    """A barrier ahead is lost 16 m before it, and joined to a car beside it that is measured ever better."""
-    barrier, car = body(42.0, 0.2, 3.0, 1.0, 12), body(40.5, 2.9, 2.0, 1.4, 12)
-    drive, found = Drive(np.concatenate([barrier, car])), tracker()
-    for frame in range(round(31.0 / SPEED_MPS * RATE_HZ)):
-        flow = drive.flow(frame)
-        kept = (flow.identity >= len(barrier)) | (flow.pose[0] < 26.0)
-        seen = found.update(flow.chosen(np.flatnonzero(kept)), drive.road, SPEED_MPS, frame / RATE_HZ)
-    assert seen.left_m.min() == pytest.approx(-1.3, abs=0.2)
-    assert seen.right_m.max() == pytest.approx(3.9, abs=0.2)
-
-
-def test_the_same_scene_turned_and_moved_in_the_world_gives_the_same_bodies() -> None:
+def test_the_same_scene_turned_and_moved_in_the_world_gives_the_same_obstacles() -> None:
     """The tracker knows poses only by their differences."""
     angle, shift = 2.4, np.array([300.0, -120.0])
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
@@ -280,49 +169,34 @@ def test_the_same_scene_turned_and_moved_in_the_world_gives_the_same_bodies() ->
     assert a.left_m == pytest.approx(b.left_m, abs=1e-6)
 
 
-def test_low_points_wider_than_what_seems_to_stand_on_them_are_one_body_with_it() -> None:
-    """Of a pallet from 0.3 to 1.3 m, whose right part was seen from afar, and by itself would be told 0.4 m wide."""
+def test_low_points_under_a_narrower_tall_obstacle_are_one_with_it() -> None:
+    """A pallet from 0.3 to 1.3 m: its right part was observed from afar, and alone would be 0.4 m wide."""
     tall = [[40.0, 1.0, 0.5], [40.0, 1.1, 0.45], [40.0, 1.05, 0.6]]
     low = [[41.0, 0.3, 0.15], [41.0, 0.45, 0.15], [41.0, 1.3, 0.15], [41.0, 1.2, 0.15], [41.0, 0.7, 0.15]]
     drive = Drive(np.concatenate([tall, low, road_points(100)]))
-    bodies = drive.run(tracker(), range(365))[-1]
-    assert (bodies.left_m, bodies.right_m) == (pytest.approx([0.3], abs=0.1), pytest.approx([1.3], abs=0.1))
+    obstacles = drive.run(tracker(), range(365))[-1]
+    assert (obstacles.left_m, obstacles.right_m) == (pytest.approx([0.3], abs=0.1), pytest.approx([1.3], abs=0.1))
 
 
-def test_low_points_and_what_the_look_at_the_road_shows_are_told_as_one_body() -> None:
+def test_low_points_and_a_low_track_are_one_obstacle() -> None:
     """Points at the left end of a pallet from -0.4 to 0.4 m, and a spot that lies 0.2 m too far to the right."""
     low = [[40.0, -0.38, 0.15], [40.0, -0.3, 0.15], [40.3, -0.36, 0.14]]
     drive, found = Drive(np.concatenate([low, road_points(100)])), tracker()
     for k in range(355):
-        bodies = drive.run(found, range(k, k + 1))[-1]
+        obstacles = drive.run(found, range(k, k + 1))[-1]
         spot = LowObservation(40.0 - drive.pose(k)[0], -0.2, 0.6, gain=20.0)
         if spot.forward_m < 16.0 and k % 6 == 0:
-            found._low_tracks.record([spot], drive.pose(k))
-    assert (bodies.left_m, bodies.right_m) == (pytest.approx([-0.4], abs=0.05), pytest.approx([0.4], abs=0.05))
+            found.low_tracks.record([spot], drive.pose(k))
+    assert (obstacles.left_m, obstacles.right_m) == (pytest.approx([-0.4], abs=0.05), pytest.approx([0.4], abs=0.05))
 
 
-def test_nonsense_is_refused_with_what_was_given() -> None:
-    with pytest.raises(ValueError, match="least_width_m: expected >= 0, got -1"):
-        replace(static_obstacles(), least_width_m=-1.0)
-    with pytest.raises(ValueError, match=r"expected 0 < near < far, got 30\.0, 28\.0"):
-        replace(static_obstacles(), near_m=30.0)
-    with pytest.raises(ValueError, match=r"turned_near_m: expected near_m <= it < far_m, got 1\.0"):
-        replace(static_obstacles(), turned_near_m=1.0)
-    with pytest.raises(ValueError, match=r"single_depth_ratio: expected 0 < first < second, got \(0\.1, 0\.07\)"):
-        replace(static_obstacles(), single_depth_ratio=(0.1, 0.07))
-    with pytest.raises(ValueError, match=r"high_share: expected < 1, got 1\.0"):
-        replace(static_obstacles(), high_share=1.0)
-    with pytest.raises(ValueError, match=r"outdated_share: expected < 1, got 1\.0"):
-        replace(static_obstacles(), outdated_share=1.0)
-
-
-def test_what_lies_low_before_the_face_that_is_told_of_a_body_is_not_of_that_body() -> None:
-    """Some corners of something 2.5 m before a wide wall make one body with it, whose face is the wall's."""
+def test_low_points_before_the_face_of_an_obstacle_are_another() -> None:
+    """Some corners of something 2.5 m before a wide wall make one obstacle with it, whose face is the wall's."""
     wall = body(43.0, 0.0, 6.0, 1.4, 60)
     corners = [[40.5, -0.3, 0.5], [40.5, 0.3, 0.5], [41.8, 0.0, 0.9]]
     low = [[40.5, -0.2, 0.15], [40.5, 0.2, 0.15], [40.5, 0.0, 0.12]]
     points = np.concatenate([wall, corners, low, road_points(100)])
     drive, found = Drive(points), tracker()
-    bodies = drive.run(found, range(380))[-1]
-    ahead = bodies.forward_m + drive.pose(379)[0]
+    obstacles = drive.run(found, range(380))[-1]
+    ahead = obstacles.forward_m + drive.pose(379)[0]
     assert ahead.min() == pytest.approx(40.5, abs=0.4)

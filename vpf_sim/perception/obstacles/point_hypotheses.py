@@ -1,22 +1,20 @@
-"""The table of points that stood above the road: how often, where in the world, and how surely."""
+"""Points above the road over many frames: tentative at first, then confirmed."""
 
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
-from vpf_sim.types import Bools, Floats, Flow
-
-Integers = NDArray[np.int64]
+from vpf_sim.perception.obstacles.config import StaticObstacleConfig
+from vpf_sim.types import Bools, Floats, Flow, Integers
 
 
 def frames(time_s: float, rate_hz: float) -> int:
-    """How many frames at that rate a point needs to be seen in for that time: two at least."""
+    """Frames of a time at a rate, at least two."""
     return max(2, round(time_s * rate_hz))
 
 
 def among(identity: Integers, others: Integers) -> Bools:
-    """(N,) which of the identities are among the others (M,): `np.isin`, which takes ten times as long."""
+    """(N,) which of the identities are among the others (M,): `np.isin`, ten times as fast."""
     if not len(others):
         return np.zeros(len(identity), np.bool_)
     ordered = np.sort(others)
@@ -25,12 +23,12 @@ def among(identity: Integers, others: Integers) -> Bools:
 
 
 def followed(identity: Integers, flow: Flow) -> Bools:
-    """(N,) which tracks are followed still, seen or covered."""
+    """(N,) which tracks are still followed, visible or covered."""
     return among(identity, flow.identity) | among(identity, flow.covered)
 
 
 def matches(identity: Integers, others: Integers) -> tuple[Integers, Integers]:
-    """Rows of both that are the same track; none is twice in `others`."""
+    """Rows of both with the same identity; `others` has each one once."""
     if not len(others):
         return np.empty(0, np.int64), np.empty(0, np.int64)
     order = np.argsort(others)
@@ -39,91 +37,52 @@ def matches(identity: Integers, others: Integers) -> tuple[Integers, Integers]:
     return row.astype(np.int64), column[row].astype(np.int64)
 
 
-@dataclass(frozen=True, slots=True)
-class Sightings:
-    """M points of one frame that were seen to stand above the road."""
+@dataclass(slots=True)
+class PointObservations:
+    """M points above the road in one frame."""
 
     identity: Integers  # (M,) of the track
     place_m: Floats  # (M, 2) in the world
     sigma_m: Floats  # (M,) of the depth
-    sight_rad: Floats  # (M,) direction in the world in which the point was seen, and its place may err
+    sight_rad: Floats  # (M,) direction of sight in the world, along which the place errs
     depth_m: Floats  # (M,) from the camera
-    height_m: Floats  # (M,) above the road
-    seed_weight: Floats  # (M,) 0 .. 1, how far it may found a body, not only support one
-    low: Bools  # (M,) near the road, see `perception.obstacles.low_obstacles`
-    margin: Floats  # (M,) by how much chi2 is worse with the road
-    texture: Floats  # (M,) small eigenvalue of the structure tensor, grey levels^2 / px^2
-
-
-@dataclass(frozen=True, slots=True)
-class ConfirmationRule:
-    """When a point is believed: after so many hits, in so large a share of the frames, without moving in the world."""
-
-    rate_hz: float
-    hits: int
-    most_hits: int  # more are not counted, so that the road's evidence can still clear the point
-    share: float
-    steady_m: float  # largest change of place, plus
-    steady_ratio: float  # this share of the depth
+    seed_weight: Floats  # (M,) 0 .. 1, how far it may begin an obstacle, not only support one
+    low: Bools  # (M,) a hand's breadth above the road
+    margin: Floats  # (M,) excess of chi2 on the road
 
 
 @dataclass(slots=True)
-class PointHypotheses:
-    """M points that stood above the road at least once, one row a track."""
+class PointHypotheses(PointObservations):
+    """M points that were above the road at least once, as last observed, with the largest margin."""
 
-    identity: Integers  # (M,)
-    hits: Integers  # (M,) frames in which it stood above the road, less twice those in which it lay on it
+    hits: Integers  # (M,) frames above the road
     since_s: Floats  # (M,) when the count began
-    place_m: Floats  # (M, 2) in the world at the last hit
-    sigma_m: Floats  # (M,)
-    sight_rad: Floats  # (M,)
-    depth_m: Floats  # (M,)
-    height_m: Floats  # (M,)
-    seed_weight: Floats  # (M,)
-    low: Bools  # (M,)
-    margin: Floats  # (M,) the largest so far
-    texture: Floats  # (M,)
-    steady_m: Floats  # (M, 2) the place that later hits must confirm
+    steady_m: Floats  # (M, 2) the place that later observations must confirm
     steady_sigma_m: Floats  # (M,)
-    agreed: Integers  # (M,) hits since it was first seen there
-    believed: Bools  # (M,)
-    body: Integers  # (M,) identity of its body, -1 none yet
+    agreed: Integers  # (M,) observations there
+    confirmed: Bools  # (M,)
+    obstacle: Integers  # (M,) identity of its obstacle, -1 none yet
 
     @classmethod
     def none(cls) -> "PointHypotheses":
-        number, truth = np.empty(0), np.empty(0, np.bool_)
-        return cls.of(
-            Sightings(
-                np.empty(0, np.int64),
-                np.empty((0, 2)),
-                *(number,) * 5,
-                truth,
-                *(number,) * 2,
-            ),
-            0.0,
-        )
+        number, truth, whole = np.empty(0), np.empty(0, np.bool_), np.empty(0, np.int64)
+        seen = PointObservations(whole, np.empty((0, 2)), number, number, number, number, truth, number)
+        return cls.of(seen, truth, 0.0)
 
     @classmethod
-    def of(cls, seen: Sightings, time_s: float) -> "PointHypotheses":
-        count = len(seen.identity)
+    def of(cls, seen: PointObservations, chosen: Bools, time_s: float) -> "PointHypotheses":
+        """Tentative points of the `chosen` (M,) observations."""
+        columns = {field.name: getattr(seen, field.name)[chosen] for field in fields(PointObservations)}
+        count = len(columns["identity"])
         return cls(
-            identity=seen.identity,
+            **columns,
             hits=np.ones(count, np.int64),
             since_s=np.full(count, time_s),
-            place_m=seen.place_m,
-            sigma_m=seen.sigma_m,
-            sight_rad=seen.sight_rad,
-            depth_m=seen.depth_m,
-            height_m=seen.height_m,
-            seed_weight=seen.seed_weight,
-            low=seen.low,
-            margin=seen.margin,
-            texture=seen.texture,
-            steady_m=seen.place_m,
-            steady_sigma_m=seen.sigma_m,
+            steady_m=columns["place_m"],
+            steady_sigma_m=columns["sigma_m"],
             agreed=np.ones(count, np.int64),
-            believed=np.zeros(count, np.bool_),
-            body=np.full(count, -1, np.int64),
+            confirmed=np.zeros(count, np.bool_),
+            obstacle=np.full(count, -1, np.int64),
         )
 
     def __len__(self) -> int:
@@ -133,55 +92,48 @@ class PointHypotheses:
         for column in fields(self):
             setattr(self, column.name, getattr(self, column.name)[chosen])
 
-    def record(self, seen: Sightings, on_road: Integers, rules: ConfirmationRule, time_s: float) -> None:
-        """Count one frame: `seen` stood above the road, the tracks `on_road` lay on it."""
+    def record(self, seen: PointObservations, config: StaticObstacleConfig, rate_hz: float, time_s: float) -> None:
+        """Add the points of one frame above the road."""
         if not len(self) and not len(seen.identity):
             return
-        row, column = matches(self.identity, seen.identity)  # rows are of the table, columns of `seen`
+        needed, most = frames(config.hits_s, rate_hz), 2 * frames(config.memory_s, rate_hz)
+        row, column = matches(self.identity, seen.identity)  # rows of self, columns of `seen`
         moved = np.hypot(*(seen.place_m[column] - self.steady_m[row]).T)
-        still = moved < rules.steady_m + rules.steady_ratio * seen.depth_m[column]
-        self._confirm(row[still], seen, column[still], rules.hits)
+        still = moved < config.steady_m + config.steady_ratio * seen.depth_m[column]
+        self._agree(row[still], seen, column[still], needed)
         self._restart(row[~still], seen, column[~still], time_s)
-        self.hits[among(self.identity, on_road)] -= 2
-        self.hits = np.minimum(self.hits, rules.most_hits)
-        expected = rules.share * rules.rate_hz * (time_s - self.since_s)
-        enough = (self.hits >= rules.hits) & (self.hits >= np.minimum(expected, rules.most_hits))
-        self.believed = (self.believed | enough) & (self.hits > 0)
+        expected = config.hits_share * rate_hz * (time_s - self.since_s)
+        self.confirmed = self.confirmed | (self.hits >= np.maximum(needed, np.minimum(expected, most)))
         new = np.ones(len(seen.identity), np.bool_)
         new[column] = False
         if new.any():
-            self._append(seen, new, time_s)
+            fresh = PointHypotheses.of(seen, new, time_s)
+            for part in fields(self):
+                setattr(self, part.name, np.concatenate([getattr(self, part.name), getattr(fresh, part.name)]))
 
-    def _confirm(self, row: Integers, seen: Sightings, column: Integers, agreements: int) -> None:
-        """One more hit; a point that is believed moves only to where it was seen as often as it takes to believe it."""
+    def _agree(self, row: Integers, seen: PointObservations, column: Integers, needed: int) -> None:
+        """Count observations near the last place; a confirmed point moves only with as many as confirm one."""
         self.hits[row] += 1
         self.agreed[row] += 1
-        moves = ~self.believed[row] | (self.agreed[row] >= agreements)
+        moves = ~self.confirmed[row] | (self.agreed[row] >= needed)
         self._place(row[moves], seen, column[moves])
         sharper = seen.sigma_m[column] < 0.5 * self.steady_sigma_m[row]
         self._settle(row[sharper], seen, column[sharper])
 
-    def _restart(self, row: Integers, seen: Sightings, column: Integers, time_s: float) -> None:
-        """What moves in the world is no landmark: one not believed yet starts again, one believed keeps its place."""
+    def _restart(self, row: Integers, seen: PointObservations, column: Integers, time_s: float) -> None:
+        """Begin again with tentative points that moved; confirmed ones keep their place."""
         self.agreed[row] = 1
         self._settle(row, seen, column)
-        again = ~self.believed[row]
+        again = ~self.confirmed[row]
         row, column = row[again], column[again]
         self.hits[row], self.since_s[row] = 1, time_s
         self._place(row, seen, column)
 
-    def _settle(self, row: Integers, seen: Sightings, column: Integers) -> None:
+    def _settle(self, row: Integers, seen: PointObservations, column: Integers) -> None:
         self.steady_m[row], self.steady_sigma_m[row] = seen.place_m[column], seen.sigma_m[column]
 
-    def _place(self, row: Integers, seen: Sightings, column: Integers) -> None:
-        self.place_m[row], self.sigma_m[row] = seen.place_m[column], seen.sigma_m[column]
-        self.depth_m[row], self.height_m[row] = seen.depth_m[column], seen.height_m[column]
-        self.sight_rad[row] = seen.sight_rad[column]
-        self.seed_weight[row], self.low[row] = seen.seed_weight[column], seen.low[column]
-        self.margin[row] = np.maximum(self.margin[row], seen.margin[column])
-        self.texture[row] = seen.texture[column]
-
-    def _append(self, seen: Sightings, new: Bools, time_s: float) -> None:
-        fresh = PointHypotheses.of(Sightings(*(getattr(seen, name)[new] for name in Sightings.__slots__)), time_s)
-        for column in fields(self):
-            setattr(self, column.name, np.concatenate([getattr(self, column.name), getattr(fresh, column.name)]))
+    def _place(self, row: Integers, seen: PointObservations, column: Integers) -> None:
+        margin = np.maximum(self.margin[row], seen.margin[column])
+        for part in fields(PointObservations):
+            getattr(self, part.name)[row] = getattr(seen, part.name)[column]
+        self.margin[row] = margin

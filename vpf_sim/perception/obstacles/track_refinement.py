@@ -1,8 +1,9 @@
-"""Depths of points by first sightings that were found again, standing or lying on the road.
+"""Depths of points matched with their first observation, as a standing surface and as road.
 
-The picture of what stands grows alike in both directions, that of the road is foreshortened and grows down the picture
-by the square. Matched as the one, what is the other seems to have moved: ends of dashes 20 m ahead stood 0.3 m high. So
-each point is matched as both, and has the depth of the one match, and chi2 with the road by the better of the two.
+The image of a standing surface grows alike in both directions; that of the road is foreshortened and grows down the
+image by the square. Matched with the wrong model, a point seems to have moved: ends of dashes 20 m ahead seemed 0.3 m
+high. So each point is matched as both. It takes its depth from the standing match, its chi2 on the road from the better
+of the two.
 """
 
 from collections.abc import Callable
@@ -15,13 +16,12 @@ from vpf_sim.perception.obstacles.config import RefinementConfig
 from vpf_sim.perception.road.geometry import carriageway_offsets
 from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, RoadEdges
 
-Again = Callable[[Integers, Floats], Triangulation]  # of rows of a flow, first seen aside of where it says
-# `perception.egomotion.keyframes.KeyframeBuffer.register` of a flow
-Match = Callable[[Integers, Floats], tuple[Floats, Bools]]
+Triangulate = Callable[[Integers, Floats], Triangulation]  # rows of a flow, first observed some px aside
+Match = Callable[[Integers, Floats], tuple[Floats, Bools]]  # `KeyframeBuffer.aside_px` of a flow
 
 
 def candidates(points: Triangulation, road: RoadEdges, camera: Camera, config: RefinementConfig) -> Integers:
-    """(n,) rows of points that stand above the road, or seem to, by their chained tracks."""
+    """(n,) rows of points that may be above the road by their chained tracks."""
     with np.errstate(invalid="ignore"):
         chosen = (points.depth_m > config.near_m) & (points.depth_m < config.far_m)
         chosen &= (points.height_m > config.least_height_m) & (points.height_m < config.most_height_m)
@@ -38,13 +38,10 @@ def refined(
     rows: Integers,
     match: Match,
     config: RefinementConfig,
-    again: Again,
+    triangulate: Triangulate,
     camera: Camera,
 ) -> Triangulation:
-    """The points of a flow with some `rows` of them, one at least, matched with their first sightings.
-
-    `again` triangulates points of a flow that were found.
-    """
+    """The points of a flow, `rows` of them (at least one) matched with their first observation."""
     way = np.hypot(*(flow.pose[:2] - flow.first_pose[rows, :2]).T)
     upright = 1.0 + way / points.depth_m[rows]
     below = below_horizon(camera, flow.points_px[rows])
@@ -55,7 +52,7 @@ def refined(
     aside, found = match(both, growth)
     if not found.any():
         return points
-    matched, stands = again(both[found], aside[found]), np.flatnonzero(found) < len(rows)
+    matched, stands = triangulate(both[found], aside[found]), np.flatnonzero(found) < len(rows)
     result = {name: getattr(points, name).copy() for name in Triangulation.__slots__}
     for name, values in result.items():
         values[both[found][stands]] = getattr(matched, name)[stands]

@@ -16,8 +16,6 @@ class OcclusionConfig:
 
     before_m: float = setting("margin before the face", default=0.8, gt=0.0)
     beside_m: float = setting("margin at both sides", default=0.35, gt=0.0)
-    driven_m: float = setting("behind a moving face, where no static obstacle is", default=4.0, gt=0.0)
-    driven_sigma_m: float = setting("largest standard deviation of its distance", default=1.5, gt=0.0)
     sizes: ObjectSizes = dataclasses.field(default_factory=ObjectSizes)
 
 

@@ -5,7 +5,7 @@ import numpy as np
 
 from vpf_sim.perception.road.config import OcclusionConfig
 from vpf_sim.perception.road.geometry import direction_rad
-from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges
+from vpf_sim.types import Floats, Obstacles, RoadEdges
 
 FAR_M = 40.0  # from the camera, up to which a body hides the road
 
@@ -19,17 +19,6 @@ def footprints(bodies: Obstacles, road: RoadEdges, config: OcclusionConfig, sinc
     before = config.before_m + since_s * bodies.speed_mps
     near, far = middle - before[:, None] * along, middle + length[:, None] * along
     return np.stack([near - half, near + half, far + half, far - half], axis=1)
-
-
-def driven_over(places_m: Floats, moving: Obstacles, road: RoadEdges, config: OcclusionConfig) -> Bools:
-    """(N,) which of the places (N, 2), vehicle axes, lie where a body drives now: nothing stands there."""
-    moving = moving.chosen(moving.sigma_m < config.driven_sigma_m)
-    along, across = _axes(moving, road)
-    apart = places_m[:, None] - np.stack([moving.forward_m, moving.middle_m], axis=1)
-    behind, beside = (apart * along).sum(axis=2), (apart * across).sum(axis=2)
-    inside = (np.abs(beside) < 0.5 * moving.width_m) & (behind > -config.before_m) & (behind < config.driven_m)
-    over: Bools = np.any(inside, axis=1)
-    return over
 
 
 def _axes(bodies: Obstacles, road: RoadEdges) -> tuple[Floats, Floats]:

@@ -81,14 +81,13 @@ CHANGES = (
     ),
     Change(
         "speed",
-        "speed by what is ahead: bends, bodies not cleared in time, a stop and a second look where no side is free",
+        "speed by what is ahead: bends, bodies not cleared in time, a stop where no side is free",
         (
             "lane_planner.reference.speed",
             "lane_planner.clear_distance",
             "lane_planner.lost_road",
             "lane_planner.tentative_obstacles",
             "lane_planner.recovery",
-            "close_range_verification",
         ),
     ),
     Change(

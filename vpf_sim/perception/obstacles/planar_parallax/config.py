@@ -61,61 +61,9 @@ class ParallaxConfig:
     most_share: float = setting("of the difference that is left with that height", gt=0.0)
     outline_gain: float = setting("least difference of an object's outline, in multiples of the noise", gt=0.0)
     least_seen: float = setting("share of a window that is not masked", gt=0.0, le=1.0)
-    foot_m: Pair = setting("along from where an obstacle begins, and beside it, where its foot is compared")
-    foot_width_m: float = setting("observed width of a foot, at least", ge=0.0)
-    foot_share: float = setting("observed share of a foot, at least", ge=0.0, le=1.0)
     sensing_range: SensingRangeConfig = setting("sensing range of low obstacles")
     high_pass: HighPassConfig | None = setting("high pass: long changes, as of mirror images, cancel", default=None)
     temporal_average: TemporalAverageConfig | None = setting("average the differences over observations", default=None)
-
-
-@settings
-class GainWeightConfig:
-    """Weight of an observation. Mirror images gain 6 to 12 times the noise, pallets 12 to 45 in hard rain."""
-
-    usual_gain: float = setting("an observation counts by its gain over this,", gt=0.0)
-    least: float = setting("but no less than this,", gt=0.0)
-    most: float = setting("and no more", gt=0.0)
-
-
-@settings
-class ClutterConfig:
-    """Rate of new tentative tracks, as in rain."""
-
-    rate: float = setting("new tracks per observation, from which there is clutter", ge=0.0)
-    looks: float = setting("observations averaged over", gt=0.0)
-    more_hits: int = setting("that a track needs besides in clutter", ge=0)
-
-
-@settings
-class ApproachConfig:
-    """How an object comes nearer as the car drives."""
-
-    share: float = setting("of the own way: a drop comes no nearer, a mirror image by less", gt=0.0, le=1.0)
-
-
-@settings
-class TruncatedConfig:
-    """Observations that reach to the near end of the patch."""
-
-    share: float = setting("of the own way by which it comes nearer at least", gt=0.0, le=1.0)
-    more_hits: int = setting("that a track needs besides where its place was not observed all the way", ge=0)
-
-
-@settings
-class TentativeTrackConfig:
-    """Tracks that are not confirmed."""
-
-    hits: int = setting("observations, sure ones or not, until a tentative track is reported", gt=0)
-
-
-@settings
-class SpotOcclusionConfig:
-    """The road that known obstacles hide."""
-
-    beyond_m: float = setting("behind an obstacle's face begins what it hides", ge=0.0)
-    margin_m: float = setting("beside an obstacle, hidden as well", ge=0.0)
-    least_seen_m: float = setting("width that an observation keeps beside an obstacle, at least", gt=0.0)
 
 
 @settings
@@ -124,26 +72,12 @@ class LowTrackConfig:
 
     hits: int = setting("of a confirmed track", gt=0)
     way_m: float = setting("of the car between the first and the last observation of a confirmed track", ge=0.0)
-    least_way_m: float = setting("travel before which nothing has come nearer", ge=0.0)
     misses: int = setting("in a row, after which a tentative track is pruned", gt=0)
     along_m: float = setting("observations nearer than this are of one track", gt=0.0)
     across_m: float = setting("observations nearer than this are of one track", gt=0.0)
     newest: float = setting("weight of the newest observation for place and sides", gt=0.0, le=1.0)
-    edge_m: float = setting("inside the carriageway's edges")
-    low_hides_m: float = setting("behind its face a low obstacle hides the road up to here", ge=0.0)
     sigma_m: float = setting("of the face of a low obstacle", gt=0.0)
     beside_m: float = setting("a track so near a taller obstacle belongs to it,", ge=0.0)
     sticks_out_m: float = setting("unless it reaches so far out of it,", ge=0.0)
     before_m: float = setting("or begins farther before its face than mirror images do", ge=0.0)
     least_width_m: float = setting("of a reported obstacle", ge=0.0)
-    gain_weight: GainWeightConfig | None = setting("a clear observation counts more than a faint one", default=None)
-    clutter: ClutterConfig | None = setting("a track needs more hits while new ones appear often", default=None)
-    approach: ApproachConfig | None = setting("reject drops and mirror images: they come no nearer", default=None)
-    truncated: TruncatedConfig | None = setting("observations at the near end of the patch have no place", default=None)
-    tentative: TentativeTrackConfig | None = setting("tentative tracks are reported as well", default=None)
-    occlusion: SpotOcclusionConfig | None = setting("cut off what known obstacles hide", default=None)
-
-    @property
-    def doubts(self) -> int:
-        """Observations until a track is reported."""
-        return self.tentative.hits if self.tentative else self.hits

@@ -18,7 +18,7 @@ from vpf_sim.perception.obstacles.planar_parallax.temporal_average import Tempor
 from vpf_sim.perception.quantiles import quantile
 from vpf_sim.perception.road.birds_eye import lookup
 from vpf_sim.perception.road.occlusion import shadow
-from vpf_sim.types import Bools, Camera, Floats, Image, LateralExtent, Obstacles, Singles
+from vpf_sim.types import Bools, Camera, Floats, Image, LateralExtent, Singles
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,29 +91,6 @@ class PlanarParallax:
         lens = np.array([self.camera.forward_m, 0.0])
         self.lenses_m = lens, vehicle_from_world(world_from_vehicle(lens, older.pose), pose)
         return self._compare(now, older, footprints)
-
-    def difference_at(self, bodies: Obstacles) -> Floats:
-        """(N,) largest difference at the foot of each obstacle in the last observation, in multiples of the noise.
-
-        The obstacles are in its vehicle axes; nan for one whose foot was not visible.
-        """
-        forward, right = self._forward_m[: self._rows], self._right_m[self._columns]
-        along_m, across_m = self.config.foot_m
-        found = np.full(len(bodies), np.nan)
-        for index, (face, left, side, sigma) in enumerate(
-            zip(bodies.forward_m, bodies.left_m, bodies.right_m, bodies.sigma_m, strict=True)
-        ):
-            rows = np.searchsorted(forward, (face - 0.5 * along_m - sigma, face + along_m + 2.0 * sigma))
-            columns = np.searchsorted(right, (left - across_m, side + across_m))
-            foot = slice(*rows), slice(*columns)
-            seen = self._seen[foot]
-            inside = (
-                face > forward[0] and face + along_m < self.config.noise_far_m
-            )  # farther, faint ones look like road
-            wide = seen.shape[1] * self.config.cell_m >= self.config.foot_width_m
-            if inside and wide and seen.mean() >= self.config.foot_share:
-                found[index] = self._contrast[foot][seen].max()
-        return found
 
     def _laid_out(self, image: Image, pose: Floats) -> _Layout:
         """Lay out a frame and keep it for later comparisons."""

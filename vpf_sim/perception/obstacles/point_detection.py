@@ -1,0 +1,102 @@
+"""Points of one frame that are above the road, or on it, by their triangulated tracks."""
+
+import numpy as np
+
+from vpf_sim.geometry import ground_from_pixels, world_from_vehicle
+from vpf_sim.perception.egomotion.corners import eigenvalues, is_corner
+from vpf_sim.perception.egomotion.ground_plane import below_horizon
+from vpf_sim.perception.egomotion.triangulation import Triangulation
+from vpf_sim.perception.obstacles.config import StaticObstacleConfig
+from vpf_sim.perception.obstacles.low_obstacles import is_low, off_lines
+from vpf_sim.perception.obstacles.point_hypotheses import PointObservations, frames
+from vpf_sim.perception.road.geometry import carriageway_offsets
+from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, RoadEdges
+
+
+class PointDetector:
+    """Finds the points of a frame above the road."""
+
+    def __init__(self, camera: Camera, config: StaticObstacleConfig, rate_hz: float) -> None:
+        """`rate_hz` of the flow's frames."""
+        self._camera, self._config, self._rate_hz = camera, config, rate_hz
+
+    def observe(
+        self, flow: Flow, points: Triangulation, road: RoadEdges, moving: Bools | None = None
+    ) -> PointObservations:
+        """The points above the road that are not of obstacles that `moving` (N,) marks."""
+        texture, _ = eigenvalues(flow.structure)
+        tall = self._are_tall(flow, points, road)
+        low = self._are_low(flow, points, texture, road) & ~tall
+        found = tall | low if moving is None else (tall | low) & ~moving
+        rows = np.flatnonzero(found)
+        depth, right = points.depth_m[rows], points.right_m[rows]
+        place = np.stack([self._camera.forward_m + depth, right], axis=1)
+        return PointObservations(
+            identity=flow.identity[rows],
+            place_m=world_from_vehicle(place, flow.pose),
+            sigma_m=points.sigma_m[rows],
+            sight_rad=flow.pose[2] + np.arctan(right / depth),
+            depth_m=depth,
+            seed_weight=np.where(low[rows], 0.0, self._seed_weight(flow, points, road, rows)),
+            low=low[rows],
+            margin=points.chi2_ground[rows] - points.chi2[rows],
+        )
+
+    def _are_tall(self, flow: Flow, points: Triangulation, road: RoadEdges) -> Bools:
+        """(N,) points that surely stand above the carriageway."""
+        config = self._config
+        depth = points.depth_m
+        with np.errstate(invalid="ignore", divide="ignore"):
+            above = (depth > config.near_m) & (depth < config.far_m)
+            above &= flow.age_frames >= frames(config.min_age_s, self._rate_hz)
+            above &= points.sigma_m / depth < config.depth_ratio
+            above &= (points.chi2 < config.chi2_limit) & (points.chi2_ground - points.chi2 > config.chi2_margin)
+            above &= points.height_m > config.min_height_m + 2.0 * points.height_sigma_m
+            above &= points.height_m < config.max_height_m + 2.0 * points.height_sigma_m
+        rows = np.flatnonzero(above)
+        left, right = carriageway_offsets(self._camera.forward_m + depth[rows], road)
+        aside = points.right_m[rows]
+        inside = (aside > left + config.edge_margin_m) & (aside < right - config.edge_margin_m)
+        return _mask(flow, rows[inside])
+
+    def _before_far_road(self, points_px: Floats) -> Bools:
+        """(N,) pixels whose ray meets the road far away, or not at all."""
+        far: Bools = below_horizon(self._camera, points_px) * self._config.foot_m < self._camera.height_m
+        return far
+
+    def _are_low(self, flow: Flow, points: Triangulation, texture: Floats, road: RoadEdges) -> Bools:
+        """(N,) points a hand's breadth above the carriageway, off its lines."""
+        config = self._config
+        if config.low_obstacles is None:
+            return np.zeros(len(flow), np.bool_)
+        age_s = flow.age_frames / self._rate_hz
+        rows = np.flatnonzero(is_low(points, age_s, texture, config.low_obstacles, config.precise_m, config.chi2_limit))
+        return _mask(flow, rows[self._off_lines(flow.points_px[rows], road)])
+
+    def _off_lines(self, points_px: Floats, road: RoadEdges) -> Bools:
+        """(N,) pixels whose place on the flat road is within the carriageway and on no painted line."""
+        config = self._config.low_obstacles
+        if config is None:
+            return np.ones(len(points_px), np.bool_)
+        return off_lines(self._camera, ground_from_pixels(self._camera, points_px), road, config)
+
+    def _seed_weight(self, flow: Flow, points: Triangulation, road: RoadEdges, rows: Integers) -> Floats:
+        """(M,) from 0 to 1, how far each of the rows may begin an obstacle."""
+        config, points_px = self._config, flow.points_px[rows]
+        weight: Floats = np.ones(len(rows))
+        if config.far_road:
+            corner = is_corner(flow.structure[rows], config.corner_texture, config.corner_ratio)
+            weight = np.where(self._before_far_road(points_px), config.far_road.share * corner, 1.0)
+        if config.dash_seed:
+            far = points.depth_m[rows] > config.precise_m
+            slides = np.flatnonzero(far & (points.height_m[rows] < config.dash_seed.height_m))
+            if len(slides):
+                weight[slides] *= self._off_lines(points_px[slides], road)
+        return weight
+
+
+def _mask(flow: Flow, rows: Integers) -> Bools:
+    """(N,) points of the flow in these rows."""
+    mask = np.zeros(len(flow), np.bool_)
+    mask[rows] = True
+    return mask
