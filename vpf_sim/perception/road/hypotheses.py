@@ -122,7 +122,7 @@ class CarriagewayHypotheses:
         mean = np.array(config.presences)[:, None] * [config.solid_share, config.dashed_share, config.absent_share]
         sigma = np.array([config.solid_sd, config.dashed_sd, config.absent_sd])
         likely = -0.5 * ((share[:, None, None] - mean) / sigma) ** 2 - np.log(sigma / sigma.max())  # (L, presences, 3)
-        least = np.where(share < config.hidden_share, np.log(config.hidden), np.log(config.surprise))
+        least = np.log(np.where(share < config.hidden_share, config.hidden, config.surprise))
         likely = np.maximum(likely - likely.max(axis=(1, 2), keepdims=True), least[:, None, None])
         likely = np.where(known[:, None, None], likely, 0.0)
         return np.asarray(likely[np.arange(len(NUMBERS)), :, KINDS].sum(axis=1).max(axis=1))

@@ -84,7 +84,7 @@ class LaneFilter:
         if not found.seen[:, far].any():
             return True
         far_lines, near_lines = (
-            np.count_nonzero(np.count_nonzero(on_line[:, part], axis=1) >= least) for part in (far, ~far)
+            int(np.count_nonzero(np.count_nonzero(on_line[:, part], axis=1) >= least)) for part in (far, ~far)
         )
         return bool(far_lines >= min(near_lines, 2))
 

@@ -167,7 +167,8 @@ class PlanarParallax:
         flags, border = cv2.WARP_INVERSE_MAP, cv2.BORDER_REPLICATE
         moved = cv2.warpAffine(older.patch, transform, size, flags=flags | cv2.INTER_LINEAR, borderMode=border)
         outside = cv2.warpAffine(self._outside, transform, size, flags=flags | cv2.INTER_NEAREST, borderMode=border)
-        free = np.asarray((outside | self._outside[: self._rows])[:, self._columns] == 0, np.float32)
+        hidden = cv2.bitwise_or(outside, self._outside[: self._rows])
+        free = np.asarray(hidden[:, self._columns] == 0, np.float32)
         change = (now - cv2.blur(moved.astype(np.float32), (3, 3))[:, self._columns]) * free
         if self.config.high_pass is not None:
             window = odd_cells(self.config.high_pass.window_m, self.config.cell_m)
