@@ -13,7 +13,7 @@ from vpf_sim.drivers import command_of, trace_of
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.geometry import rotation, wrap_angle
-from vpf_sim.planning.lane.plan import LanePlan
+from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.types import DriverSetup, Floats, Observation, Plan
 
 FRAMES = 60

@@ -12,7 +12,7 @@ from vpf_sim.drivers.perceiver import Perceiver
 from vpf_sim.geometry import project, rotation, vehicle_from_world, wrap_angle
 from vpf_sim.perception.paper import obstacle_map as obstacles
 from vpf_sim.planning import variant
-from vpf_sim.planning.lane.plan import LanePlan
+from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.planning.planner import create_planner
 from vpf_sim.planning.variant import Variant
 from vpf_sim.seeding import stream

@@ -20,7 +20,7 @@ SWITCHES = [f"{section}.{path}" for section in SECTIONS for path in optional_sec
 SWITCHES = [switch for switch in SWITCHES if switch not in NEEDED]
 
 
-@pytest.mark.parametrize("switch", [*SWITCHES, "flow.bands", "flow.keyframe_s"])
+@pytest.mark.parametrize("switch", SWITCHES)
 def test_a_driver_without_one_mechanism_drives(switch: str, tmp_path: Path) -> None:
     *path, key = switch.split(".")
     file = tmp_path / "without.toml"

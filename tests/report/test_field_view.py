@@ -9,7 +9,7 @@ from test_overlay import plan
 from vpf_sim.errors import InputError
 from vpf_sim.planning.lane.frame import NOTHING, Lane
 from vpf_sim.planning.lane.lateral_cost import LanePotential
-from vpf_sim.planning.lane.plan import LanePlan
+from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.report import field_view
 from vpf_sim.report.compass import REFERENCE
 from vpf_sim.types import Camera, Plan

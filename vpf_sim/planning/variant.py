@@ -23,7 +23,7 @@ from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
 from vpf_sim.perception.paper.config import ContactConfig, ObstacleMapConfig
 from vpf_sim.perception.plausible import PlausibilityConfig
 from vpf_sim.perception.road.config import RoadEdgeConfig
-from vpf_sim.planning.lane.planner import LanePlannerConfig
+from vpf_sim.planning.lane.config import LanePlannerConfig
 from vpf_sim.planning.paper.planner import PaperPlannerConfig
 from vpf_sim.planning.variants import knockouts, repair_steps
 from vpf_sim.planning.variants.ablation_steps import steps

@@ -9,7 +9,7 @@ from vpf_sim import drivers
 from vpf_sim.controllers.gtsmc import Gains
 from vpf_sim.drivers import FieldDriver
 from vpf_sim.drivers.perceiver import Perceiver
-from vpf_sim.planning.lane.plan import LanePlan
+from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.planning.paper.planner import PaperPlan
 from vpf_sim.planning.planner import create_planner
 from vpf_sim.planning.variant import Variant

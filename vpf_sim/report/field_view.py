@@ -6,7 +6,7 @@ import numpy as np
 from vpf_sim.errors import InputError
 from vpf_sim.planning.lane.frame import LaneObstacles
 from vpf_sim.planning.lane.lateral_cost import LanePotential
-from vpf_sim.planning.lane.plan import LanePlan
+from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.report.canvas import INK, Canvas, Colour
 from vpf_sim.report.compass import OBSTACLE, REFERENCE, ROAD, TARGET
 from vpf_sim.types import Camera, Floats, Image, Plan

@@ -12,7 +12,7 @@ import numpy as np
 from vpf_sim.errors import InputError
 from vpf_sim.files import Draft
 from vpf_sim.geometry import distort
-from vpf_sim.planning.lane.plan import LanePlan
+from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.report import field_view
 from vpf_sim.report.compass import OBSTACLE, REFERENCE, ROAD, TARGET
 from vpf_sim.report.overlay import EDGE, OBSTACLE_LENGTH_M, ROAD_AHEAD_M, road_line, ttc_colour

@@ -120,7 +120,7 @@ def test_a_car_that_is_on_the_way_aside_already_is_as_far_as_one_that_began_befo
     slope, shift, radius = 0.2, 2.0, float(1.0 / LIMITS.tightest(speed_mps))
     whole = shift + 0.5 * radius * slope**2
     way = (
-        float(LIMITS.way(whole, speed_mps))
+        float(LIMITS.limits(speed_mps).way(whole))
         - radius * slope
         + 0.3 * speed_mps * (1.0 - slope / float(LIMITS.ratio(speed_mps)))
     )
@@ -131,7 +131,7 @@ def test_the_first_half_of_a_shift_to_a_far_goal_takes_half_of_its_way() -> None
     """The car need not rest where it is clear of an obstacle, if its path leads on."""
     way, half = np.array([8.0]), np.array([1.0])
     rests, goes_on = LIMITS.speed(way, half, 0.0, 0.0)[0], LIMITS.speed(way, half, 2.0, 0.0)[0]
-    assert 0.5 * float(LIMITS.way(2.0, goes_on)) + 0.3 * goes_on == pytest.approx(8.0, rel=0.03)
+    assert 0.5 * float(LIMITS.limits(goes_on).way(2.0)) + 0.3 * goes_on == pytest.approx(8.0, rel=0.03)
     assert goes_on > 1.1 * rests
 
 

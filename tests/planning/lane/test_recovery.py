@@ -8,20 +8,20 @@ import numpy as np
 import pytest
 from bicycle import Bicycle
 from ideal import Body, Eyes, Road, clearance, perception
-from lane_planner import CAR, HALF_M, RECOVERY, ROBUST, recovery, unwrap
+from lane_planner import CAR, HALF_M, RECOVERY, ROBUST, SETUP, recovery, unwrap
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.geometry import wrap_angle
+from vpf_sim.planning.lane.config import LanePlannerConfig
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles, place
-from vpf_sim.planning.lane.planner import LanePlanner, LanePlannerConfig
+from vpf_sim.planning.lane.planner import LanePlanner
 from vpf_sim.planning.lane.recovery import Recovery
 from vpf_sim.planning.lane.recovery_candidates import STEP_M, Blockers, candidates, separation
-from vpf_sim.types import Camera, DriverSetup, Floats, Obstacles, Reference, RoadEdges
+from vpf_sim.types import Floats, Obstacles, Reference, RoadEdges
 
 CONFIG = RECOVERY
 BEYOND_M, LOCKS = CONFIG.candidates.beyond_m, CONFIG.candidates.locks
 NEXT_M, BEGINS_M = unwrap(CONFIG.new_obstacles).beyond_m, unwrap(CONFIG.begin).way_m
-SETUP = DriverSetup(Camera(), CAR, 60.0, 5.55, (1e3, 0.0), 0)
 LANE = Lane(0.0, 12.0, -12.0, 0.0, 0.0)
 FRONT_M = CAR.l_r_m + 0.5 * CAR.length_m  # from the rear axle
 DEAD_END = (Body(28.0, 0.0, width_m=3.0), Body(28.0, 2.9))  # no gap to the right edge
@@ -158,8 +158,8 @@ def began() -> Recovery:
 
 
 def test_before_an_obstacle_that_moves_the_car_waits() -> None:
-    assert not stood_before(told(1.0)).is_driven
-    assert began().is_driven
+    assert stood_before(told(1.0)).manoeuvre is None
+    assert began().manoeuvre is not None
 
 
 def road(y_m: float, heading_rad: float = 0.0) -> RoadEdges:
@@ -178,7 +178,7 @@ def test_after_it_the_own_lane_is_the_one_it_was() -> None:
     seen = out.lane(road(1.0, -0.8), car.observe())
     for _ in range(60):
         out.update(seen, ON_THE_WAY, car.observe(), Reference(0.0, 5.0))
-    assert not out.is_driven
+    assert out.manoeuvre is None
     along = Bicycle(6.0, -3.0, 0.05, 2.0).observe()
     for y_m in (4.1, 4.2, -2.8, -2.7):
         lane = out.lane(road(y_m, -0.05), along)
@@ -198,7 +198,7 @@ def test_what_is_detected_on_the_way_ends_it_no_farther_than_a_little_past_the_m
     new = narrow(front_m + past_m - car.x_m, y_m, 0.2, 1)
     for _ in range(30):
         out.update(LANE, new, car.observe(), Reference(0.0, 0.0))
-    assert out.is_driven == drives
+    assert (out.manoeuvre is not None) == drives
 
 
 def test_a_car_that_stands_near_an_obstacle_keeps_the_clearance_from_all_that_follows() -> None:
@@ -219,7 +219,7 @@ def test_a_car_that_is_turned_and_has_no_manoeuvre_stands() -> None:
     lane = out.lane(road(1.0, -0.8), car.observe())
     for _ in range(60):
         reference = out.update(lane, ON_THE_WAY, car.observe(), Reference(0.0, 5.0))
-    assert not out.is_driven
+    assert out.manoeuvre is None
     assert reference is not None
     assert reference.speed_mps == 0.0
 
@@ -233,7 +233,7 @@ def begun_again(new: Obstacles) -> tuple[Recovery, Lane]:
     lane = out.lane(road(0.1, -0.35), TURNED.observe())
     for _ in range(30):
         out.update(lane, ON_THE_WAY, moves.observe(), Reference(0.0, 0.0))
-    assert not out.is_driven
+    assert out.manoeuvre is None
     for _ in range(round(60.0 * CONFIG.standing_s) + 2):
         out.update(lane, new, TURNED.observe(), Reference(0.0, 0.0))
     return out, lane
@@ -252,4 +252,4 @@ def test_what_was_detected_on_a_manoeuvre_is_held_no_farther_against_the_next() 
     creeps = replace(TURNED, speed_mps=CONFIG.speed_mps)
     for _ in range(30):
         out.update(lane, new, creeps.observe(), Reference(0.0, 0.0))
-    assert out.is_driven
+    assert out.manoeuvre is not None

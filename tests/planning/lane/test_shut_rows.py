@@ -5,7 +5,7 @@ from math import sqrt
 import numpy as np
 import pytest
 from ideal import Body, Road
-from lane_planner import BUMPER_M, CLEARANCE, HALF_M, RATE_HZ, ROBUST, SPEED, geometry, speed_limits, unwrap
+from lane_planner import BRAKING, BUMPER_M, HALF_M, RATE_HZ, ROBUST, SPEED, geometry, speed_limits, unwrap
 from test_closed_loop import drive
 from test_speed_limits import FULL_MPS2, LANE, NEAR_M, TURNS_M, wanted
 
@@ -47,7 +47,7 @@ def row(*bodies: tuple[float, float, float]) -> LaneObstacles:
 
 def shut(bodies: LaneObstacles) -> Bools:
     """(K,) which stand in a row that leaves no way through where the car is."""
-    return geometry(bodies).shut_rows(0.0, CLEARANCE.least_m, CLEARANCE.full_speed_m)
+    return geometry(bodies).shut_rows(0.0)
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
@@ -75,7 +75,7 @@ def test_an_obstacle_of_another_row_or_beside_the_car_shuts_none() -> None:
 def test_the_car_stops_before_the_first_of_a_row_that_is_shut() -> None:
     """As before an obstacle in its way, until it has stood for long enough to walk up to what shuts the row."""
     truck, low = (3.5, HALF_M + 1.0, HALF_M + 3.5), (7.1, -0.5, 0.5)
-    stop = sqrt(2.0 * ROBUST.reference.brake_mps2 * (3.5 - SPEED.standoff_m))
+    stop = sqrt(2.0 * BRAKING.comfort_mps2 * (3.5 - BRAKING.standoff_m))
     assert wanted(row(truck, low), 1.5) == pytest.approx(stop)
     assert wanted(row(low), 1.5) > stop
     watch, standing = speed_limits(), geometry(row((1.0, *truck[1:]), (4.6, *low[1:])))

@@ -6,6 +6,7 @@ from math import sqrt
 import numpy as np
 import pytest
 from lane_planner import (
+    BRAKING,
     BUMPER_M,
     CAR,
     CLEARANCE,
@@ -13,6 +14,7 @@ from lane_planner import (
     LIMITS,
     RATE_HZ,
     ROBUST,
+    SETUP,
     SPEED,
     SPEED_MPS,
     geometry,
@@ -36,10 +38,10 @@ from vpf_sim.planning.lane.speed.limits import (
 )
 from vpf_sim.types import Floats
 
-CONFIG, LOOK = ROBUST.reference, unwrap(SPEED.look)
+LOOK = unwrap(SPEED.look)
 NEAR_M, TURNS_M, FULL_MPS2 = SPEED.near_m, SPEED.turn_m, CAR.full_brake_mps2
-FIRM_MPS2, MET_S = unwrap(SPEED.easing).firm_mps2, unwrap(SPEED.headed_at).time_s
-FALL_BACK_MPS, FAR_STANDOFF_M = unwrap(SPEED.follow).fall_back_mps, unwrap(SPEED.far_standoff).most_m
+FIRM_MPS2, MET_S = unwrap(SPEED.firm_mps2), unwrap(SPEED.headed_s)
+FALL_BACK_MPS, FAR_STANDOFF_M = unwrap(SPEED.follow).fall_back_mps, unwrap(SPEED.far_standoff_m)
 NARROW_M = 0.5 * (CLEARANCE.least_m + CLEARANCE.full_speed_m)
 LANE = straight_lane()
 
@@ -98,7 +100,7 @@ def test_the_car_stops_and_looks_where_it_can_still_get_aside_before_it_walks_up
     assert LIMITS.aside(np.array([least]))[0] == pytest.approx(side)
     for half_width_m, first in ((0.8, min(least, FAR_STANDOFF_M)), (3.0, FAR_STANDOFF_M)):
         left = walk(half_width_m, 12.0, 60.0)
-        stops = np.array([first, SPEED.standoff_m, CONFIG.closest_standoff_m])
+        stops = np.array([first, BRAKING.standoff_m, BRAKING.closest_standoff_m])
         rests = left[np.flatnonzero(np.abs(np.diff(left)) < 1e-5)]
         beyond = stops[None] - rests[:, None]  # the car's speed falls a little late
         near = (beyond > -0.05) & (beyond < 0.35)
@@ -132,7 +134,7 @@ def test_no_more_is_asked_for_than_comfort_gives_unless_an_obstacle_is_too_near_
         if firm_m + 0.02 < TURNS_M - NEAR_M + full_m:
             assert before(TURNS_M + full_m - 0.01) == pytest.approx(least)
         assert before(NEAR_M + 0.5 * (firm_m + full_m)) < least
-        assert before(min(NEAR_M + full_m, SPEED.standoff_m) - 0.01) == 0.0
+        assert before(min(NEAR_M + full_m, BRAKING.standoff_m) - 0.01) == 0.0
 
 
 @pytest.mark.parametrize(("speed_mps", "body_mps", "way_m"), [(4.5, 3.1, 6.8), (5.55, 3.0, 4.0), (5.55, 2.0, 5.0)])
@@ -175,7 +177,7 @@ def test_before_a_gap_that_one_obstacle_more_would_close_the_car_looks_while_a_t
         return speed_limits().update(lane, geometry(wall), middle_m, speed_mps)
 
     for way_m in (LOOK.ahead_m + 0.01, 6.0, 8.0):
-        speed_mps = sqrt(LOOK.speed_mps**2 + 2.0 * CONFIG.brake_mps2 * (way_m - LOOK.ahead_m))
+        speed_mps = sqrt(LOOK.speed_mps**2 + 2.0 * BRAKING.comfort_mps2 * (way_m - LOOK.ahead_m))
         assert towards(3.4, way_m, speed_mps) == pytest.approx(speed_mps)
         assert towards(LOOK.gap_m + 0.1, way_m, SPEED_MPS) == SPEED_MPS
     for way_m in (LOOK.ahead_m - 0.01, TURNS_M + 0.01):
@@ -204,7 +206,7 @@ def test_a_narrow_gap_behind_the_row_that_is_being_passed_is_slowed_down_for_in_
         cone = (cone_m + BUMPER_M, *sorted((side * half_gap_m, side * (half_gap_m + 0.4))), 0.0)
         return wanted(LaneObstacles(*np.array([truck, end, cone]).T), SPEED_MPS)
 
-    expected = sqrt(LOOK.speed_mps**2 + 2.0 * CONFIG.brake_mps2 * (cone_m - LOOK.ahead_m))
+    expected = sqrt(LOOK.speed_mps**2 + 2.0 * BRAKING.comfort_mps2 * (cone_m - LOOK.ahead_m))
     assert expected < SPEED_MPS
     for truck_m in (TURNS_M - 0.1, 1.0, 0.01, -0.01, -1.0):
         assert passing(truck_m) == pytest.approx(expected)
@@ -223,7 +225,9 @@ def test_what_stands_farther_aside_before_an_obstacle_bounds_the_gap_with_it(sid
         (cone_m - ROBUST.obstacles.row_depth_m - 0.1, False),
     ):
         wall = (wall_m + BUMPER_M, *sorted((-side * (HALF_M + 1.8), -side * 7.0)), 0.0)
-        expected = sqrt(LOOK.speed_mps**2 + 2.0 * CONFIG.brake_mps2 * (wall_m - LOOK.ahead_m)) if slowed else SPEED_MPS
+        expected = (
+            sqrt(LOOK.speed_mps**2 + 2.0 * BRAKING.comfort_mps2 * (wall_m - LOOK.ahead_m)) if slowed else SPEED_MPS
+        )
         assert wanted(LaneObstacles(*np.array([wall, cone]).T), SPEED_MPS) == pytest.approx(expected)
 
 
@@ -236,8 +240,7 @@ def test_what_the_brake_is_asked_for_is_what_the_gains_make_of_it() -> None:
 
 def unwound(obstacles: LaneObstacles, path: LateralPath) -> float:
     """v_d where only the steering slows a path, which need not come to rest."""
-    config = replace(CONFIG, speed=replace(SPEED, rest=None, rise=None))
-    limits = SpeedLimits(config, CLEARANCE, SPEED_MPS, RATE_HZ, LIMITS)
+    limits = SpeedLimits(replace(SPEED, rest_m=None), ROBUST, SETUP, LIMITS)
     return limits.update(LANE, geometry(obstacles), 0.0, 2.0, path)
 
 
@@ -307,9 +310,11 @@ def test_a_gap_that_proves_narrow_beside_the_car_is_no_reason_to_brake_beyond_co
 def test_the_nearer_side_is_one_where_no_other_obstacle_stands() -> None:
     """Two obstacles without room between them; their outer sides are 3.5 and 4.5 m from the middle."""
     rows = np.array([(8.0, -1.0, 0.9), (8.0, 1.5, 2.5)])
-    free = geometry(LaneObstacles(*rows.T)).nearer_side(LANE, 0.1)
-    assert free[0] == pytest.approx(1.0 + HALF_M + 0.1)
+    free = geometry(LaneObstacles(*rows.T)).nearer_side(LANE)
+    assert free[0] == pytest.approx(1.0 + HALF_M + CLEARANCE.least_m)
     to_the_left = np.array([(8.0, -1.0, 0.9), (8.0, -3.0, -1.5)])
-    assert geometry(LaneObstacles(*to_the_left.T)).nearer_side(LANE, 0.1)[0] == pytest.approx(0.9 + HALF_M + 0.1)
+    assert geometry(LaneObstacles(*to_the_left.T)).nearer_side(LANE)[0] == pytest.approx(
+        0.9 + HALF_M + CLEARANCE.least_m
+    )
     both = np.array([(8.0, -1.0, 0.9), (8.0, 1.5, 9.0), (8.0, -9.0, -1.5)])
-    assert np.all(geometry(LaneObstacles(*both.T)).nearer_side(LANE, 0.1) == 0.0)
+    assert np.all(geometry(LaneObstacles(*both.T)).nearer_side(LANE) == 0.0)

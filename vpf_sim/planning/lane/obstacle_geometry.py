@@ -5,10 +5,9 @@ from math import inf, sqrt, tan
 
 import numpy as np
 
-from vpf_sim.planning.lane.config import ClearanceConfig, ObstacleConfig
+from vpf_sim.planning.lane.config import LanePlannerConfig
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
-from vpf_sim.planning.lane.gap_cost import same_row
-from vpf_sim.types import Bools, Floats, VehicleModel
+from vpf_sim.types import Bools, DriverSetup, Floats
 
 FREE_M = 1e-6  # an obstacle does not occupy its own side
 
@@ -16,21 +15,11 @@ FREE_M = 1e-6  # an obstacle does not occupy its own side
 class ObstacleGeometry:
     """K obstacles in lane coordinates and the car; a y is that of its middle."""
 
-    def __init__(
-        self,
-        obstacles: LaneObstacles,
-        config: ObstacleConfig,
-        clearance: ClearanceConfig,
-        vehicle: VehicleModel,
-        speed_reference_mps: float,
-    ) -> None:
-        self.obstacles = obstacles
-        self._config = config
-        self._clearance = clearance
-        self._half_width_m = 0.5 * vehicle.width_m
-        self._half_length_m = 0.5 * vehicle.length_m
-        self._l_r_m = vehicle.l_r_m
-        self._speed_reference_mps = speed_reference_mps
+    def __init__(self, obstacles: LaneObstacles, config: LanePlannerConfig, setup: DriverSetup) -> None:
+        vehicle = setup.vehicle
+        self.obstacles, self._config, self._clearance = obstacles, config.obstacles, config.clearance
+        self._half_width_m, self._half_length_m = 0.5 * vehicle.width_m, 0.5 * vehicle.length_m
+        self._l_r_m, self._speed_reference_mps = vehicle.l_r_m, setup.speed_reference_mps
         self.way_m: Floats = obstacles.along_m - self._half_length_m  # (K,) from the bumper to each face
         self.moves: Bools = obstacles.speed_mps > 0.0  # (K,)
         self.length_m = self._lengths()  # (K,) from each face to its end, at least
@@ -38,14 +27,9 @@ class ObstacleGeometry:
         self.present: Bools = weight > 0.0  # (K,) the others count for the choice of a side at most
         self.stands: Bools = self.present & ~self.moves  # (K,)
         ahead = ~self.moves & (self.way_m > 0.0)
-        self.in_row: Bools = self._rows() & ahead & ahead[:, None]  # (K, K) static, ahead and in one row
+        self.in_row: Bools = self._same_row() & ahead & ahead[:, None]  # (K, K) static, ahead and in one row
         # (K,) w of the field. The side is chosen for a row: all of it counts as soon as the first of it does.
         self.weight: Floats = np.maximum(weight, (weight * self.in_row).max(axis=1, initial=0.0))
-
-    @property
-    def row_depth_m(self) -> float:
-        """Obstacles whose faces are nearer along the road are met together."""
-        return self._config.row_depth_m
 
     def __len__(self) -> int:
         return len(self.obstacles)
@@ -74,15 +58,15 @@ class ObstacleGeometry:
         beside: Bools = np.any(self.in_row & some, axis=1)
         return beside
 
-    def shut_rows(self, y_m: float, clearance_m: float, behind_m: float) -> Bools:
+    def shut_rows(self, y_m: float) -> Bools:
         """(K,) which obstacles ahead are in a row that leaves the car at y no way through.
 
-        The first of a row leaves one with the clearance, those behind it with `behind_m`: their sides are known worse,
-        and from within the row there is no way to another gap.
+        The first of a row must leave the least clearance, those behind it the one of full speed: their sides have
+        larger errors, and from within the row there is no way to another gap.
         """
         nearer = self.way_m[:, None] < self.way_m
         behind = (self.in_row & nearer).any(axis=0)
-        shuts = self.overlap(y_m, 0.0) > -np.where(behind, behind_m, clearance_m)
+        shuts = self.overlap(y_m, 0.0) > -np.where(behind, self._clearance.full_speed_m, self._clearance.least_m)
         return self.beside(shuts & self.stands)
 
     def shift(self, y_m: float, goal_m: float, clearance_m: Floats | float) -> Floats:
@@ -93,10 +77,10 @@ class ObstacleGeometry:
             return np.where(goal_m > least, most - y_m, 0.0)
         return np.where(goal_m < most, y_m - least, 0.0)
 
-    def nearer_side(self, lane: Lane, clearance_m: float) -> Floats:
+    def nearer_side(self, lane: Lane) -> Floats:
         """(K,) m to the nearer side of each obstacle in the way that is on the road and free; else 0."""
         margin = self._half_width_m + self._clearance.edge_m
-        here, aside = lane.y_m, self._half_width_m + clearance_m
+        here, aside = lane.y_m, self._half_width_m + self._clearance.least_m
         least, most = self.obstacles.left_m - aside, self.obstacles.right_m + aside  # of the places that each takes
         sides = np.concatenate([least, most])
         taken = (least[:, None] < sides - FREE_M) & (sides + FREE_M < most[:, None]) & self.stands[:, None]
@@ -112,9 +96,9 @@ class ObstacleGeometry:
         An obstacle that is passed next counts, too, unless the car or its path, now at `path_m`, leads into it: a car
         that turns towards it reaches it with a corner first.
         """
-        if self._config.passage is None:
+        if self._config.passage_m is None:
             return lane
-        passing = (self.way_m < self._config.passage.ahead_m) & (
+        passing = (self.way_m < self._config.passage_m) & (
             self.obstacles.along_m + self.length_m > -self._half_length_m
         )
         if not passing.any():
@@ -171,9 +155,9 @@ class ObstacleGeometry:
 
         Their sides have large errors, and an obstacle farther ahead must not push the path towards them.
         """
-        if self._config.keep_aside is None:
+        if self._config.keep_aside_m is None:
             return minimum_m
-        passing = self.present & self.moves & (self.way_m < self._config.keep_aside.ahead_m)
+        passing = self.present & self.moves & (self.way_m < self._config.keep_aside_m)
         if not passing.any():
             return minimum_m
         margin = self._half_width_m + self._clearance.wanted_m
@@ -196,11 +180,15 @@ class ObstacleGeometry:
         meets = (beyond <= 0.0) | (nears & (further < self.length_m))
         return np.where(meets & (self.way_m > 0.0), self.way_m + further, np.inf)
 
-    def _rows(self) -> Bools:
-        """(K, K) which obstacles are in one row."""
-        if self._config.rows is None or len(self) < 2:
-            return np.eye(len(self), dtype=np.bool_)
-        return same_row(self.obstacles, self.length_m, self._config.rows.beyond_m)
+    def _same_row(self) -> Bools:
+        """(K, K) which obstacles are in one row: the face of one not far behind the rear of the other.
+
+        A pedestrian may stand beside the rear of a truck.
+        """
+        behind = self.obstacles.along_m[None] - self.obstacles.along_m[:, None]
+        reach = self.length_m + self._config.row_gap_m
+        row: Bools = np.where(behind > 0.0, behind < reach[:, None], -behind < reach[None])
+        return row
 
     def _lengths(self) -> Floats:
         """(K,) m; a wide obstacle may be a truck or a barrier."""
@@ -218,7 +206,7 @@ class ObstacleGeometry:
         runs = np.zeros(len(self), np.bool_)
         if config.follow is not None:
             runs = (faster > -config.follow.slower_mps) & (self.way_m > config.follow.beside_m)
-        catches_up = np.maximum(faster, 0.0) * (config.catch_up.time_s if config.catch_up is not None else 0.0)
+        catches_up = np.maximum(faster, 0.0) * (config.catch_up_s or 0.0)
         passed = self.obstacles.along_m + self.length_m + catches_up < -self._half_length_m
         return np.where(passed | runs, 0.0, weight)
 

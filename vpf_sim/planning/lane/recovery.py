@@ -13,13 +13,13 @@ from math import asin, atan, ceil, cos, sin, tan
 import numpy as np
 
 from vpf_sim.geometry import vehicle_from_world, wrap_angle
-from vpf_sim.planning.lane.config import ObstacleConfig
+from vpf_sim.planning.lane.config import LanePlannerConfig
 from vpf_sim.planning.lane.frame import Lane, locate, place
 from vpf_sim.planning.lane.kinematic_limits import rear_m
 from vpf_sim.planning.lane.recovery_candidates import STEP_M, Blockers, Candidates, candidates, separation
 from vpf_sim.planning.lane.recovery_config import RecoveryConfig
 from vpf_sim.planning.lane.speed.creep import STANDING_MPS
-from vpf_sim.types import Floats, Observation, Obstacles, Reference, RoadEdges, VehicleModel
+from vpf_sim.types import DriverSetup, Floats, Observation, Obstacles, Reference, RoadEdges
 
 COARSE = 8  # steps
 STRAIGHT_RAD = 0.02  # wheels that turn by less do not slow the car
@@ -48,14 +48,9 @@ class _Start:
 class Recovery:
     """Searches for a manoeuvre while the car stands, and drives it."""
 
-    def __init__(
-        self, config: RecoveryConfig, edge_m: float, obstacles: ObstacleConfig, vehicle: VehicleModel, rate_hz: float
-    ) -> None:
-        self._config = config
-        self._edge_m = edge_m
-        self._obstacles = obstacles
-        self._vehicle = vehicle
-        self._dt_s = 1.0 / rate_hz
+    def __init__(self, config: RecoveryConfig, planner: LanePlannerConfig, setup: DriverSetup) -> None:
+        self._config, self._obstacles, self._edge_m = config, planner.obstacles, planner.clearance.edge_m
+        self._vehicle, self._dt_s = setup.vehicle, 1.0 / setup.rate_hz
         self._stood_s = 0.0
         self._steering_rad = 0.0
         self._gone_m = 0.0
@@ -64,11 +59,6 @@ class Recovery:
         self._manoeuvre: Candidates | None = None
         self._left_road = False  # since then lanes are counted here,
         self._lanes, self._last_m = 0, 0.0  # by how many the seen one is off, and where the car was
-
-    @property
-    def is_driven(self) -> bool:
-        """Whether a manoeuvre is driven."""
-        return self._manoeuvre is not None
 
     @property
     def manoeuvre(self) -> Candidates | None:
@@ -145,8 +135,8 @@ class Recovery:
         found = [candidates(lane, self._steering_rad, self._vehicle, per_m, lock, config) for lock in config.locks]
         here, _ = separation(found[0].one(0), lane, blockers, self._vehicle, config.beyond_m)
         clearances_m = [self._config.clearance_m]
-        if self._config.tight is not None:
-            clearances_m += [self._config.tight.share * self._config.clearance_m]
+        if self._config.tight_share is not None:
+            clearances_m += [self._config.tight_share * self._config.clearance_m]
             clearances_m += [self._kept(clearances_m[-1], here[0])]  # as much as there is now
         for clearance_m, some in product(dict.fromkeys(clearances_m), found):
             self._manoeuvre = self._best(some, lane, blockers, clearance_m)
@@ -230,18 +220,18 @@ class Recovery:
 
     def _is_free(self, rest: Candidates, lane: Lane, blockers: Blockers) -> bool:
         """Whether the rest of the manoeuvre is free."""
-        if self._config.recheck is None:
+        if self._config.recheck_share is None:
             return True
         here = -self._vehicle.l_r_m * cos(lane.heading_rad)
         rest = replace(rest, along_m=rest.along_m - rest.along_m[0, 0] + here)
         apart, _ = separation(rest, lane, blockers, self._vehicle, self._config.candidates.beyond_m)
-        return bool(apart.min() >= self._config.recheck.share * self._kept(self._clearance_m, apart[0]))
+        return bool(apart.min() >= self._config.recheck_share * self._kept(self._clearance_m, apart[0]))
 
     def _reference(self, rest: Candidates, share: float, lane: Lane, observation: Observation) -> Reference:
         """Heading, its rate and speed on the manoeuvre, a `share` of a step after the first that is left."""
         y = (1.0 - share) * float(rest.y_m[0, 0]) + share * float(rest.y_m[0, 1])
-        pull = self._config.tracking.rad_per_m * (y - rear_m(lane, self._vehicle)) * cos(lane.heading_rad)
-        most = self._config.tracking.most_rad
+        pull = self._config.correction_rad_per_m * (y - rear_m(lane, self._vehicle)) * cos(lane.heading_rad)
+        most = self._config.correction_rad
         before, soon = rest.turned_rad[0, :2].tolist()
         turned = (1.0 - share) * before + share * soon
         heading = observation.yaw_rad + lane.heading_rad + turned + min(max(pull, -most), most)
