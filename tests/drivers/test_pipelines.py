@@ -186,7 +186,7 @@ def test_the_body_is_found_and_passed_on_its_left(robust_steps: list[tuple[Plan,
     gone = SPEED_MPS * (FRAMES - 1) / RATE_HZ
     assert obstacles.forward_m[0] == pytest.approx(20.0 - gone, abs=1.5)
     assert isinstance(plan.extra, LanePlan)
-    assert plan.extra.potential.minimum_m < -0.4 - 0.95
+    assert plan.extra.cost.minimum_m < -0.4 - 0.95
     assert plan.perception.expansion.x_px == pytest.approx(319.5 - 320.0 * np.tan(radians(1.0)), abs=1.5)
 
 

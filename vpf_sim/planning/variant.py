@@ -58,7 +58,7 @@ class FrameConfig:
 
 @settings
 class Variant:
-    """One section a stage. The way through the field is the paper's `paper_planner` or `lane_planner`, never both."""
+    """One section for each stage; the planner is `paper_planner` or `lane_planner`."""
 
     gains: str = setting("of the controller, a set [gtsmc.NAME] of controllers/gains.toml")
     frames: FrameConfig = setting("late and missing frames")
@@ -83,7 +83,7 @@ class Variant:
         "obstacles that move are told from those that stand", default=None
     )
     controller: ControllerConfig | None = setting("changes of the gains", default=None)
-    paper_planner: PaperPlannerConfig | None = setting("the paper's fields in the image", default=None)
+    paper_planner: PaperPlannerConfig | None = setting("the paper's potential fields", default=None)
     lane_planner: LanePlannerConfig | None = setting("lateral cost, path and speed in the lane", default=None)
 
     def __post_init__(self) -> None:

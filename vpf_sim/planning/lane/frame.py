@@ -1,4 +1,4 @@
-"""Lane coordinates, in which the lane planner composes its potentials.
+"""Lane coordinates, in which the lane planner works.
 
 `along` is measured from the pose along the road, `y` across it, from the middle of the own lane, + is right. The
 camera's road edges give the transformation; no map is used.

@@ -1,4 +1,4 @@
-"""The lateral cost: target, road and obstacle potential across the lane, and its minimum.
+"""The lateral cost: of target, road and obstacles, across the lane, and its minimum.
 
 All three are functions of y, the position across the road (`vpf_sim.planning.lane.frame`), in the same units:
 
@@ -36,7 +36,7 @@ EXCLUDED = 1e3  # more than any obstacle, side or memory costs
 
 
 @dataclass(frozen=True, slots=True)
-class LanePotential:
+class CostProfile:
     """U on the grid, in its three parts, and its minimum."""
 
     y_m: Floats  # (G,)
@@ -58,7 +58,7 @@ class LanePotential:
 
 
 class LateralCost:
-    """Composes the potentials of each frame and finds their minimum; remembers the last one."""
+    """Adds up the costs of each frame and finds their minimum; remembers the last one."""
 
     def __init__(self, planner: LanePlannerConfig, setup: DriverSetup, kinematics: KinematicLimits) -> None:
         config = self._config = planner.lateral_cost
@@ -73,8 +73,8 @@ class LateralCost:
         self._touching = touching + config.narrow_height  # U at no gap
         self._last_m: float | None = None
 
-    def update(self, lane: Lane, geometry: ObstacleGeometry, speed_mps: float = 0.0) -> LanePotential:
-        """The field about the vehicle now."""
+    def update(self, lane: Lane, geometry: ObstacleGeometry, speed_mps: float = 0.0) -> CostProfile:
+        """The cost about the vehicle now."""
         gaps = self._edge_gaps(lane)
         road = self._road(*gaps)
         shut = self._beyond(*gaps)
@@ -90,7 +90,7 @@ class LateralCost:
         if self._last_m is not None:
             kept = kept + self._memory(self._last_m, geometry, lane, rows)
         self._last_m = self._minimum(kept, lane)
-        return LanePotential(self._y_m, self._target, road, obstacle, self._last_m)
+        return CostProfile(self._y_m, self._target, road, obstacle, self._last_m)
 
     def keep(self, y_m: float) -> None:
         """Set the last minimum: the car got there by other means."""
@@ -140,7 +140,7 @@ class LateralCost:
         return config.height * narrow
 
     def _unstopped(self, share: float, geometry: ObstacleGeometry, speed_mps: float) -> Floats:
-        """(K,) the share by which the potential of obstacles is higher that are too near for a stop."""
+        """(K,) the share by which obstacles that are too near for a stop cost more."""
         way = geometry.way_m
         closing = np.maximum(speed_mps - geometry.obstacles.speed_mps, 0.0)
         stop = stopping_way(closing, self._braking.emergency_mps2, self._braking.reaction_s)

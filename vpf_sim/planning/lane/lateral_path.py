@@ -1,4 +1,4 @@
-"""The path of the rear axle across the road: to the field's minimum with the least jerk, as the car can follow it.
+"""The path of the rear axle across the road: to the minimum of the cost with the least jerk, as the car can follow it.
 
 A car's rear axle goes where the car is headed, and its path has the curvature tan(delta) / L. So a path y_r(s) of the
 rear axle, s the way along it, gives heading and steering without a lag, and what the car can do are bounds on it:

@@ -28,7 +28,7 @@ class ObstacleGeometry:
         self.stands: Bools = self.present & ~self.moves  # (K,)
         ahead = ~self.moves & (self.way_m > 0.0)
         self.in_row: Bools = self._same_row() & ahead & ahead[:, None]  # (K, K) static, ahead and in one row
-        # (K,) w of the field. The side is chosen for a row: all of it counts as soon as the first of it does.
+        # (K,) w of the lateral cost. The side is chosen for a row: all of it counts as soon as the first of it does.
         self.weight: Floats = np.maximum(weight, (weight * self.in_row).max(axis=1, initial=0.0))
 
     def __len__(self) -> int:
@@ -164,7 +164,7 @@ class ObstacleGeometry:
         middle = self.obstacles.middle_m
         least = float((self.obstacles.right_m + margin).max(where=passing & (middle < y_m), initial=-inf))
         most = float((self.obstacles.left_m - margin).min(where=passing & (middle > y_m), initial=inf))
-        least, most = min(least, y_m), max(most, y_m)  # the path is not pushed away: the field does that
+        least, most = min(least, y_m), max(most, y_m)  # the path is not pushed away: the cost does that
         return min(max(minimum_m, least), most)
 
     def met(self, lane: Lane) -> Floats:

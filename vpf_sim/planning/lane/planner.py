@@ -8,7 +8,7 @@ import numpy as np
 from vpf_sim.planning.lane.config import LanePlannerConfig, LostRoadConfig
 from vpf_sim.planning.lane.frame import NOTHING, Lane, LaneObstacles, locate, place
 from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
-from vpf_sim.planning.lane.lateral_cost import LanePotential, LateralCost
+from vpf_sim.planning.lane.lateral_cost import CostProfile, LateralCost
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.recovery import Recovery
 from vpf_sim.planning.lane.reference import LaneReference
@@ -23,7 +23,7 @@ class LanePlan(PlanDetails):
 
     lane: Lane
     obstacles: LaneObstacles
-    potential: LanePotential
+    cost: CostProfile
     reference_y_m: float  # lateral position of the reference path
 
 
@@ -50,13 +50,13 @@ class LanePlanner:
         lane = locate(road) if out is None else out.lane(road, observation)
         obstacles = place(perception.obstacles, lane, self._config.obstacles.parts)
         geometry = ObstacleGeometry(obstacles, self._config, self._setup) if len(obstacles) else self._empty
-        potential = self._cost.update(lane, geometry, observation.speed_mps)
-        wanted = self._reference.update(lane, geometry, potential.minimum_m, observation.yaw_rad, observation.speed_mps)
-        slowed = self._slowed(wanted, perception, lane, potential.minimum_m, observation.speed_mps)
+        cost = self._cost.update(lane, geometry, observation.speed_mps)
+        wanted = self._reference.update(lane, geometry, cost.minimum_m, observation.yaw_rad, observation.speed_mps)
+        slowed = self._slowed(wanted, perception, lane, cost.minimum_m, observation.speed_mps)
         turned = self._recovered(lane, perception.obstacles, observation, wanted)
         reference = slowed if turned is None else turned
-        plan = LanePlan(lane, obstacles, potential, self._reference.y_m)
-        return _force(potential, lane.y_m), reference, plan
+        plan = LanePlan(lane, obstacles, cost, self._reference.y_m)
+        return _force(cost, lane.y_m), reference, plan
 
     def _slowed(
         self, reference: Reference, perception: Perception, lane: Lane, goal_m: float, speed_mps: float
@@ -99,9 +99,9 @@ class LanePlanner:
         return turned
 
 
-def _force(potential: LanePotential, y_m: float) -> Force:
+def _force(cost: CostProfile, y_m: float) -> Force:
     """-grad U at the vehicle, for display: across the road, with the target's pull of 1 along it."""
     forces = np.array([[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
-    forces[:, 1] = -potential.slope(y_m)
+    forces[:, 1] = -cost.slope(y_m)
     target, road, obstacle = forces
     return Force(target, obstacle, road, target + obstacle + road)

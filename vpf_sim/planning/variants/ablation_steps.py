@@ -1,8 +1,7 @@
 """From the variant `full-frame` to the variant `robust`, one change at a time: the steps of the ablation.
 
-Each step is a variant of its own: all changes up to its own are made, those after it are not. The order is one in
-which every step runs. What cannot stand alone goes together: the valley has its own target, obstacle and road field and
-goes by the bodies on the road, so landmarks and the three potentials come in with it at once.
+Each step is a variant of its own: all changes up to its own are made, those after it are not. The lane planner needs
+static obstacles, so both come in together.
 """
 
 from collections.abc import Mapping, Sequence
@@ -26,7 +25,7 @@ class Change:
 CHANGES = (
     Change(
         "flow",
-        "flow: 20 looks a second, features spread over the road and topped up, checked forward and backward",
+        "flow: 20 frames a second, points spread over the road, checked forward and backward",
         ("flow",),
     ),
     Change(
@@ -46,13 +45,12 @@ CHANGES = (
     ),
     Change(
         "camera_pitch",
-        "the body's pitching and the camera's mounting, seen, are taken out of flow and frames; speed and yaw rate "
-        "stand in for a rough pose",
+        "flow and frames without the camera's pitch; speed and yaw rate smooth a rough pose",
         ("camera_pitch", "odometry"),
     ),
     Change(
         "lane_planner",
-        "fields: landmarks, and the lowest place across the lane instead of the force at the vehicle",
+        "planner: static obstacles, and the minimum of a lateral cost instead of the force",
         ("static_obstacles", "lane_planner", "paper_planner", "obstacle_map"),
         {
             "lane_planner.lateral_cost.memory": None,
@@ -68,7 +66,7 @@ CHANGES = (
     ),
     Change(
         "memory",
-        "decisions are kept: leaving the last minimum or changing the side of a near body costs",
+        "lateral cost: leaving the last minimum or changing the side of a near obstacle costs",
         (
             "lane_planner.lateral_cost.memory",
             "lane_planner.lateral_cost.latch",
@@ -77,12 +75,12 @@ CHANGES = (
     ),
     Change(
         "least-jerk",
-        "reference: glides to the minimum with least jerk, through the lag of the vehicle, its rate known",
+        "reference: a path to the minimum with least jerk, and its heading rate",
         ("lane_planner.path",),
     ),
     Change(
         "speed",
-        "speed by what is ahead: bends, bodies not cleared in time, a stop and a second look where no side is free",
+        "speed limits by bends, obstacles and sensing range; recovery; close-range verification",
         (
             "lane_planner.speed",
             "lane_planner.clear_distance",
@@ -94,12 +92,12 @@ CHANGES = (
     ),
     Change(
         "road",
-        "road: how the carriageway's edges are found and followed",
+        "road: how the edges of the carriageway are found and followed",
         ("road_edges",),
     ),
     Change(
         "moving_obstacles",
-        "moving bodies told from standing ones: overtaken or followed",
+        "moving obstacles are overtaken or followed",
         ("moving_obstacles",),
     ),
 )
