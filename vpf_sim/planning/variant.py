@@ -35,15 +35,11 @@ Chain = Literal["robust", "paper", "without", "mechanisms"]
 
 @settings
 class ControllerConfig:
-    """Changes of the gains that it names."""
+    """Gains in place of those of the set; none: as there."""
 
-    c_r_per_s: float | None = setting(
-        "c_r, slope of the rotational manifold; none: as in the gains", default=None, gt=0.0
-    )
-    u0_radps: float | None = setting("u_0, rate of the steering actuator; none: as in the gains", default=None, gt=0.0)
-    reference_filter_hz: float | None = setting(
-        "low-pass of the differentiated reference; none: as in the gains", default=None, ge=0.0
-    )
+    c_r_per_s: float | None = setting("c_r, slope of the rotational manifold", default=None, gt=0.0)
+    u0_radps: float | None = setting("u_0, rate of the steering actuator", default=None, gt=0.0)
+    reference_filter_hz: float | None = setting("low-pass of the differentiated reference", default=None, ge=0.0)
 
 
 @settings
@@ -69,19 +65,13 @@ class Variant:
     time_to_contact: ContactConfig = setting("time to contact")
     obstacle_map: ObstacleMapConfig = setting("obstacle map")
     road_edges: RoadEdgeConfig = setting("edges and lanes of the road")
-    odometry: OdometryConfig | None = setting("rough poses are smoothed by speed and yaw rate", default=None)
-    camera_pitch: PitchConfig | None = setting(
-        "the car's pitching and the camera's mounting are taken out of flow and frames", default=None
-    )
-    static_obstacles: StaticObstacleConfig | None = setting(
-        "obstacles that stand; without it there is only the obstacle map", default=None
-    )
+    odometry: OdometryConfig | None = setting("smooths rough poses by speed and yaw rate", default=None)
+    camera_pitch: PitchConfig | None = setting("takes the camera's pitch out of flow and frames", default=None)
+    static_obstacles: StaticObstacleConfig | None = setting("static obstacle tracker", default=None)
     close_range_verification: VerificationConfig | None = setting(
-        "at walking speed, obstacles in whose place the road is seen are rejected", default=None
+        "at walking speed, rejects obstacles in whose place the road is seen", default=None
     )
-    moving_obstacles: MovingObstacleConfig | None = setting(
-        "obstacles that move are told from those that stand", default=None
-    )
+    moving_obstacles: MovingObstacleConfig | None = setting("moving-object tracker", default=None)
     controller: ControllerConfig | None = setting("changes of the gains", default=None)
     paper_planner: PaperPlannerConfig | None = setting("the paper's potential fields", default=None)
     lane_planner: LanePlannerConfig | None = setting("lateral cost, path and speed in the lane", default=None)
@@ -89,12 +79,9 @@ class Variant:
     def __post_init__(self) -> None:
         if (self.paper_planner is None) == (self.lane_planner is None):
             raise ValueError("expected exactly one of [paper_planner] and [lane_planner]")
-        if self.lane_planner is not None and self.static_obstacles is None:
-            raise ValueError("[lane_planner] needs [static_obstacles]: it goes by the bodies on the road")
-        if self.close_range_verification is not None and self.static_obstacles is None:
-            raise ValueError("[close_range_verification] needs [static_obstacles]: it looks again at what they told")
-        if self.moving_obstacles is not None and self.static_obstacles is None:
-            raise ValueError("[moving_obstacles] needs [static_obstacles]: it sees what these cannot be")
+        for key in "lane_planner", "close_range_verification", "moving_obstacles":
+            if getattr(self, key) is not None and self.static_obstacles is None:
+                raise ValueError(f"[{key}] needs [static_obstacles]")
 
 
 SECTIONS = [key for key, hint in keys(Variant).items() if sections(hint)]

@@ -22,26 +22,20 @@ class Change:
     held: Mapping[str, object] = field(default_factory=dict)
 
 
+DECISIONS = tuple(f"lane_planner.lateral_cost.{key}" for key in ("memory", "latch", "beside"))
+SPEED_LIMITS = tuple(
+    f"lane_planner.{key}" for key in ("speed", "clear_distance", "lost_road", "tentative_m", "recovery")
+)
 CHANGES = (
-    Change(
-        "flow",
-        "flow: 20 frames a second, points spread over the road, checked forward and backward",
-        ("flow",),
-    ),
+    Change("flow", "flow: 20 frames a second, points spread over the road, checked forward and backward", ("flow",)),
     Change(
         "focus_of_expansion",
         "focus of expansion: derotated, RANSAC and reweighting; time to contact by the expansion of clusters",
         ("focus_of_expansion", "time_to_contact"),
     ),
+    Change("obstacle-test", "obstacle map: absolute test against the noise instead of Otsu", ("obstacle_map.method",)),
     Change(
-        "obstacle-test",
-        "obstacle map: absolute test against the noise instead of Otsu",
-        ("obstacle_map.method",),
-    ),
-    Change(
-        "boundary-layer",
-        "controller: boundary layers instead of sign, and the gains that go with them",
-        ("gains",),
+        "boundary-layer", "controller: boundary layers instead of sign, and the gains that go with them", ("gains",)
     ),
     Change(
         "camera_pitch",
@@ -52,26 +46,12 @@ CHANGES = (
         "lane_planner",
         "planner: static obstacles, and the minimum of a lateral cost instead of the force",
         ("static_obstacles", "lane_planner", "paper_planner", "obstacle_map"),
-        {
-            "lane_planner.lateral_cost.memory": None,
-            "lane_planner.lateral_cost.latch": None,
-            "lane_planner.lateral_cost.beside": None,
-            "lane_planner.path": None,
-            "lane_planner.speed": None,
-            "lane_planner.clear_distance": None,
-            "lane_planner.lost_road": None,
-            "lane_planner.tentative_m": None,
-            "lane_planner.recovery": None,
-        },
+        dict.fromkeys((*DECISIONS, "lane_planner.path", *SPEED_LIMITS)),
     ),
     Change(
         "memory",
         "lateral cost: leaving the last minimum or changing the side of a near obstacle costs",
-        (
-            "lane_planner.lateral_cost.memory",
-            "lane_planner.lateral_cost.latch",
-            "lane_planner.lateral_cost.beside",
-        ),
+        DECISIONS,
     ),
     Change(
         "least-jerk",
@@ -81,25 +61,10 @@ CHANGES = (
     Change(
         "speed",
         "speed limits by bends, obstacles and sensing range; recovery; close-range verification",
-        (
-            "lane_planner.speed",
-            "lane_planner.clear_distance",
-            "lane_planner.lost_road",
-            "lane_planner.tentative_m",
-            "lane_planner.recovery",
-            "close_range_verification",
-        ),
+        (*SPEED_LIMITS, "close_range_verification"),
     ),
-    Change(
-        "road",
-        "road: how the edges of the carriageway are found and followed",
-        ("road_edges",),
-    ),
-    Change(
-        "moving_obstacles",
-        "moving obstacles are overtaken or followed",
-        ("moving_obstacles",),
-    ),
+    Change("road", "road: how the edges of the carriageway are found and followed", ("road_edges",)),
+    Change("moving_obstacles", "moving obstacles are overtaken or followed", ("moving_obstacles",)),
 )
 
 
