@@ -9,9 +9,9 @@ from lane_planner import BRAKING, BUMPER_M, HALF_M, RATE_HZ, ROBUST, SPEED, geom
 from test_closed_loop import drive
 from test_speed_limits import FULL_MPS2, LANE, NEAR_M, TURNS_M, wanted
 
+from vpf_sim.braking import comfortable_speed, hard_excess
 from vpf_sim.planning.lane.frame import LaneObstacles
 from vpf_sim.planning.lane.speed.creep import STAGES
-from vpf_sim.planning.lane.speed.limits import EASY_MPS, HARD_MPS
 from vpf_sim.types import Bools
 
 ROW_S_M = 60.0
@@ -96,6 +96,6 @@ def test_the_car_brakes_beyond_comfort_where_that_leaves_a_turn_and_not_where_it
     )
     hard = (speed**2 / (2.0 * (3.0 - TURNS_M)) - 3.5) / (FULL_MPS2 - 3.5)
     assert 0.0 < hard < 1.0
-    assert in_time == pytest.approx(speed - min(HARD_MPS, 0.7 * speed) - hard)
-    assert (too_late, right_beside) == pytest.approx(2 * (speed - min(EASY_MPS, 0.6 * speed),))
+    assert in_time == pytest.approx(speed - hard_excess(speed) - hard)
+    assert (too_late, right_beside) == pytest.approx(2 * (comfortable_speed(speed),))
     assert speed**2 / (2.0 * (2.5 + 3.6 - NEAR_M)) < 3.5, "for what shuts the row there is way enough"

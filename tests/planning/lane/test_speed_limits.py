@@ -24,18 +24,11 @@ from lane_planner import (
     unwrap,
 )
 
-from vpf_sim.controllers import gtsmc
+from vpf_sim.braking import comfortable_speed, hard_excess
 from vpf_sim.controllers.gtsmc import load_gains
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
 from vpf_sim.planning.lane.lateral_path import LateralPath
-from vpf_sim.planning.lane.speed.limits import (
-    EASY_MPS,
-    HARD_LEAST_MPS,
-    HARD_MPS,
-    HARD_SHARE,
-    SpeedLimits,
-    eased,
-)
+from vpf_sim.planning.lane.speed.limits import SpeedLimits
 from vpf_sim.types import Floats
 
 LOOK = unwrap(SPEED.look)
@@ -127,7 +120,7 @@ def test_no_more_is_asked_for_than_comfort_gives_unless_an_obstacle_is_too_near_
         return wanted(LaneObstacles(*np.array([[way_m + BUMPER_M, -9.0, 9.0]]).T), speed_mps)
 
     for speed_mps in np.linspace(2.6, 8.0, 12).tolist():
-        least = eased(speed_mps)
+        least = comfortable_speed(speed_mps)
         firm_m, full_m = (0.5 * speed_mps**2 / brake for brake in (FIRM_MPS2, FULL_MPS2))
         assert before(TURNS_M + firm_m + 0.01) >= min(least, SPEED_MPS)
         assert before(TURNS_M + 0.5 * (firm_m + full_m)) < least
@@ -143,7 +136,7 @@ def test_an_obstacle_that_moves_and_is_detected_late_is_fallen_in_behind_in_comf
 ) -> None:
     """What counts is how fast it is come nearer to, not how fast the car is; too near, it is let go ahead."""
     lead = LaneObstacles(*(np.array([one]) for one in (way_m + BUMPER_M, -0.9, 0.9, body_mps)))
-    assert speed_limits().update(LANE, geometry(lead), 0.0, speed_mps) >= speed_mps - EASY_MPS
+    assert speed_limits().update(LANE, geometry(lead), 0.0, speed_mps) >= comfortable_speed(speed_mps)
     too_near = replace(lead, along_m=np.array([NEAR_M + 0.1 + BUMPER_M]))
     assert speed_limits().update(LANE, geometry(too_near), 0.0, body_mps) == pytest.approx(body_mps - FALL_BACK_MPS)
     touching = replace(lead, along_m=np.array([0.1 + BUMPER_M]))
@@ -162,7 +155,7 @@ def test_a_car_that_is_headed_at_an_obstacle_leaves_the_time_to_turn_away_from_i
 
     assert towards(0.25, 0.0, 2.5) == pytest.approx(1.5 / MET_S)  # its face
     assert towards(0.1, 0.0, 4.5) == pytest.approx((0.5 / 0.1 - BUMPER_M) / MET_S)  # its flank, farther behind
-    assert towards(0.1, 0.0, 5.5) == 5.5 - EASY_MPS  # in comfort
+    assert towards(0.1, 0.0, 5.5) == comfortable_speed(5.5)  # in comfort
     assert towards(-0.1, 0.0, 4.5) > 4.4
     assert towards(0.1, 4.0, 4.5) > 4.4
 
@@ -189,7 +182,7 @@ def test_a_gap_detected_late_is_looked_at_in_comfort_and_obstacles_behind_the_ro
     right = LANE.right_m - 4.0
     late = LaneObstacles(*(np.array([one]) for one in (LOOK.ahead_m + 0.1 + BUMPER_M, -7.0, right)))
     lane = replace(LANE, y_m=right + 2.0)
-    assert speed_limits().update(lane, geometry(late), lane.y_m, 5.5) == pytest.approx(5.5 - EASY_MPS)
+    assert speed_limits().update(lane, geometry(late), lane.y_m, 5.5) == pytest.approx(comfortable_speed(5.5))
     for behind_m, slowed in ((ROBUST.obstacles.row_depth_m - 0.1, True), (ROBUST.obstacles.row_depth_m + 0.1, False)):
         rows = np.array([[6.0 + BUMPER_M, -7.0, -1.5], [6.0 + behind_m + BUMPER_M, 2.0, 4.0]])
         assert (wanted(LaneObstacles(*rows.T), SPEED_MPS) < SPEED_MPS) is slowed
@@ -231,11 +224,8 @@ def test_what_stands_farther_aside_before_an_obstacle_bounds_the_gap_with_it(sid
         assert wanted(LaneObstacles(*np.array([wall, cone]).T), SPEED_MPS) == pytest.approx(expected)
 
 
-def test_what_the_brake_is_asked_for_is_what_the_gains_make_of_it() -> None:
-    gains = load_gains("robust")
-    assert gains.hard_braking_error_mps == HARD_MPS
-    assert (gtsmc.HARD_BRAKING_SHARE, gtsmc.HARD_BRAKING_MIN_MPS) == (HARD_SHARE, HARD_LEAST_MPS)
-    assert CAR.full_brake_mps2 == FULL_MPS2
+def test_the_controller_brakes_hard_from_where_the_planner_asks_for_it() -> None:
+    assert hard_excess(50.0) == load_gains("robust").hard_braking_error_mps
 
 
 def unwound(obstacles: LaneObstacles, path: LateralPath) -> float:
@@ -304,7 +294,7 @@ def test_a_wall_on_both_sides_slows_a_path_to_the_left_as_one_to_the_right() -> 
 
 def test_a_gap_that_proves_narrow_beside_the_car_is_no_reason_to_brake_beyond_comfort() -> None:
     for gap_m in (0.17, 0.13, 0.0):
-        assert wanted(gate(gap_m, -1.0), 5.0) >= 5.0 - EASY_MPS
+        assert wanted(gate(gap_m, -1.0), 5.0) >= comfortable_speed(5.0)
 
 
 def test_the_nearer_side_is_one_where_no_other_obstacle_stands() -> None:

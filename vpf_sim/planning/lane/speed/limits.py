@@ -4,6 +4,7 @@ from math import inf, sqrt, tan
 
 import numpy as np
 
+from vpf_sim.braking import comfortable_speed, hard_excess
 from vpf_sim.planning.lane.config import LanePlannerConfig, LookConfig, SpeedConfig
 from vpf_sim.planning.lane.frame import Lane
 from vpf_sim.planning.lane.kinematic_limits import SPEEDS_MPS, KinematicLimits
@@ -14,9 +15,6 @@ from vpf_sim.types import Bools, DriverSetup, Floats
 
 SHORTEST_M = 0.1  # of a stop: the error of a face
 STRAIGHT = 0.02  # slope, and share of the tightest bend, of a path that needs no rest
-# v_d so far below the speed, or by that share of it but no less, asks the controller for a_0 at most:
-EASY_MPS, EASY_SHARE, LEAST_MPS = 2.5, 0.6, 1.0
-HARD_MPS, HARD_SHARE, HARD_LEAST_MPS = 3.0, 0.7, 1.2  # and so far for more, as the gains of `robust` have it
 
 
 class SpeedLimits:
@@ -71,7 +69,7 @@ class SpeedLimits:
 
     def _comfortable(self, speed_mps: float) -> float:
         """m/s, the least that is asked of a car at that speed; -inf where its comfort does not count."""
-        return -inf if self._config.firm_mps2 is None else eased(speed_mps)
+        return -inf if self._config.firm_mps2 is None else comfortable_speed(speed_mps)
 
     def _speed(self, lane: Lane, geometry: ObstacleGeometry, minimum_m: float, speed_mps: float) -> float:
         """v_d: the reference speed, less in tight bends and before obstacles that cannot be cleared in time."""
@@ -153,7 +151,11 @@ class SpeedLimits:
         The car brakes beyond comfort where it would else hit an obstacle that closes the way, or, before a row that is
         shut, where that leaves the way for a turn.
         """
-        closing, way, ease = speed_mps - geometry.obstacles.speed_mps, geometry.way_m, eased(speed_mps)
+        closing, way, ease = (
+            speed_mps - geometry.obstacles.speed_mps,
+            geometry.way_m,
+            comfortable_speed(speed_mps),
+        )
         decelerations = firm_mps2, self._setup.vehicle.full_brake_mps2
         turns = braked(speed_mps, closing, way - self._config.turn_m, *decelerations)
         stops = braked(speed_mps, closing, way - self._config.near_m, *decelerations)
@@ -228,11 +230,6 @@ class SpeedLimits:
         return max(unwound, self._walking_mps)
 
 
-def eased(speed_mps: float) -> float:
-    """m/s, the least that is asked of a car at that speed where comfortable braking is enough."""
-    return speed_mps - max(min(EASY_MPS, EASY_SHARE * speed_mps), LEAST_MPS)
-
-
 def braked(speed_mps: float, closing_mps: Floats, way_m: Floats, firm_mps2: float, full_mps2: float) -> Floats:
     """(K,) m/s, the least that is asked for a stop on each way: harder braking only as far as the stop needs it.
 
@@ -240,5 +237,5 @@ def braked(speed_mps: float, closing_mps: Floats, way_m: Floats, firm_mps2: floa
     """
     needed = np.maximum(closing_mps, 0.0) ** 2 / (2.0 * np.maximum(way_m, SHORTEST_M))
     hard = (needed - firm_mps2) / (full_mps2 - firm_mps2)
-    begins = speed_mps - max(min(HARD_MPS, HARD_SHARE * speed_mps), HARD_LEAST_MPS)
-    return np.where(hard > 0.0, np.where(hard < 1.0, begins - hard, -np.inf), eased(speed_mps))
+    begins = speed_mps - hard_excess(speed_mps)
+    return np.where(hard > 0.0, np.where(hard < 1.0, begins - hard, -np.inf), comfortable_speed(speed_mps))
