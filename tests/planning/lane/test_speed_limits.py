@@ -34,7 +34,7 @@ from vpf_sim.types import Floats
 LOOK = unwrap(SPEED.look)
 NEAR_M, TURNS_M, FULL_MPS2 = SPEED.near_m, SPEED.turn_m, CAR.full_brake_mps2
 FIRM_MPS2, MET_S = unwrap(SPEED.firm_mps2), unwrap(SPEED.headed_s)
-FALL_BACK_MPS, FAR_STANDOFF_M = unwrap(SPEED.follow).fall_back_mps, unwrap(SPEED.far_standoff_m)
+FALL_BACK_MPS, FAR_STANDOFF_M = SPEED.fall_back_mps, unwrap(SPEED.far_standoff_m)
 NARROW_M = 0.5 * (CLEARANCE.least_m + CLEARANCE.full_speed_m)
 LANE = straight_lane()
 

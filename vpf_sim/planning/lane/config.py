@@ -38,12 +38,6 @@ class PartsConfig:
 
 
 @settings
-class FollowConfig:
-    slower_mps: float = setting("an obstacle is overtaken that is slower than the reference speed by more", ge=0.0)
-    beside_m: float = setting("others are avoided only where the way to them is shorter", ge=0.0)
-
-
-@settings
 class MeetConfig:
     time_s: float = setting("a moving obstacle is avoided from when it is met in this time", gt=0.0)
     gap_m: float = setting("kept from it besides", ge=0.0)
@@ -65,19 +59,14 @@ class ObstacleConfig:
     truck_width_m: float = setting("an obstacle that is wider may be a truck", gt=0.0)
     row_depth_m: float = setting("obstacles whose faces are nearer along the road are met together", gt=0.0)
     row_gap_m: float = setting("a face so far behind the rear of another obstacle is in its row", ge=0.0)
+    slower_mps: float = setting("an obstacle is overtaken that is slower than the reference speed by more", ge=0.0)
+    beside_m: float = setting("others are avoided only where the way to them is shorter", ge=0.0)
     parts: PartsConfig | None = setting("Merges what lies behind a face into one longer obstacle.", default=None)
-    follow: FollowConfig | None = setting("Leaves obstacles alone that are about as fast, unless near.", default=None)
     meet: MeetConfig | None = setting("Leaves moving obstacles alone until they are met soon.", default=None)
     catch_up_s: float | None = setting("Faster obstacles behind that come up in this time count.", default=None, gt=0.0)
     passage_m: float | None = setting("Obstacles nearer than this bound the path like edges.", default=None, gt=0.0)
     corner_swing: CornerSwingConfig | None = setting("Keeps the car's side off an obstacle beside it.", default=None)
     keep_aside_m: float | None = setting("Moving obstacles nearer than this keep the path off.", default=None, gt=0.0)
-
-
-@settings
-class WallConfig:
-    height: float = setting("h_w, at the edge", ge=0.0)
-    reach_m: float = setting("d_w, from the edge", gt=0.0)
 
 
 @settings
@@ -138,7 +127,8 @@ class LateralCostConfig:
     obstacle_height: float = setting("h_o", ge=0.0)
     obstacle_slope_per_m: float = setting("s_o", ge=0.0)
     narrow_height: float = setting("h_n, at no gap", ge=0.0)
-    wall: WallConfig | None = setting("Repels from the road's edges.", default=None)
+    wall_height: float = setting("h_w, at an edge of the road", ge=0.0)
+    wall_reach_m: float = setting("d_w, from the edge", gt=0.0)
     tail: TailConfig | None = setting("Repels from obstacles beyond the clearance wanted.", default=None)
     row: RowCostConfig | None = setting("Makes narrow gaps in a row of obstacles cost more.", default=None)
     unstopped_share: float | None = setting("Raises obstacles too near for a stop, if none is free.", default=None)
@@ -215,12 +205,6 @@ class NarrowGapConfig:
 
 
 @settings
-class FollowGapConfig:
-    time_gap_s: float = setting("kept besides the standoff", ge=0.0)
-    fall_back_mps: float = setting("by which a too near obstacle is let go ahead", gt=0.0)
-
-
-@settings
 class UnwindConfig:
     pass
 
@@ -237,10 +221,11 @@ class SpeedConfig:
 
     near_m: float = setting("where an emergency stop ends", gt=0.0)
     turn_m: float = setting("least way on which the tightest turn leads out", gt=0.0)
+    time_gap_s: float = setting("kept from a moving obstacle besides the standoff", ge=0.0)
+    fall_back_mps: float = setting("by which a too near moving obstacle is let go ahead", gt=0.0)
     bend_mps2: float | None = setting("Largest lateral acceleration in bends.", default=None, gt=0.0)
     narrow_gap: NarrowGapConfig | None = setting("Slows beside near obstacles.", default=None)
     turned_m: float | None = setting("Shifts before obstacles; a turned car is so much wider.", default=None, ge=0.0)
-    follow: FollowGapConfig | None = setting("Follows a moving obstacle at its speed.", default=None)
     row_stop: RowStopConfig | None = setting("Stops before the first of a row that is closed.", default=None)
     look: LookConfig | None = setting("Slows before a gap that one more obstacle would close.", default=None)
     headed_s: float | None = setting("Slows where an obstacle is met sooner.", default=None, gt=0.0)
@@ -261,13 +246,9 @@ class ClearDistanceConfig:
 
 
 @settings
-class LostRoadConfig:
-    speed_mps: float = setting("while the road is not seen", gt=0.0)
-    way_m: float = setting("after which the car stops", gt=0.0)
-
-
-@settings
 class LanePlannerConfig:
+    lost_road_mps: float = setting("speed where the road itself is not seen", gt=0.0)
+    lost_road_m: float = setting("way after which the car stops there", gt=0.0)
     clearance: ClearanceConfig
     braking: BrakingConfig
     obstacles: ObstacleConfig
@@ -277,6 +258,5 @@ class LanePlannerConfig:
     path: PathConfig | None = setting("Leads to the minimum with least jerk instead of straight.", default=None)
     speed: SpeedConfig | None = setting("Adapts the speed to what is ahead.", default=None)
     clear_distance: ClearDistanceConfig | None = setting("Slows where little of the road is seen.", default=None)
-    lost_road: LostRoadConfig | None = setting("Slows, then stops, where the road itself is not seen.", default=None)
     tentative_m: float | None = setting("Slows before tentative obstacles within this of the way.", default=None)
     recovery: RecoveryConfig | None = setting("Turns out of a dead end on the tightest curve.", default=None)

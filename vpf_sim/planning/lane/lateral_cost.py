@@ -97,12 +97,9 @@ class LateralCost:
         self._last_m = y_m
 
     def _road(self, right_m: Floats, left_m: Floats) -> Floats:
-        config = self._config.wall
-        if config is None:
-            return self._nothing
-        reach = config.reach_m
+        reach = self._config.wall_reach_m
         wall: Floats = np.maximum(1.0 - right_m / reach, 0.0) ** 2 + np.maximum(1.0 - left_m / reach, 0.0) ** 2
-        return config.height * wall
+        return self._config.wall_height * wall
 
     def _beyond(self, right_m: Floats, left_m: Floats) -> Floats:
         """(G,) the cost that keeps the minimum on the road."""

@@ -203,9 +203,7 @@ class ObstacleGeometry:
         nears = (self._visible() - self.way_m) / (config.visible_m - config.full_m)
         weight = np.minimum(np.maximum(nears, 0.0), 1.0)
         faster = speed - self._speed_reference_mps
-        runs = np.zeros(len(self), np.bool_)
-        if config.follow is not None:
-            runs = (faster > -config.follow.slower_mps) & (self.way_m > config.follow.beside_m)
+        runs = (faster > -config.slower_mps) & (self.way_m > config.beside_m)
         catches_up = np.maximum(faster, 0.0) * (config.catch_up_s or 0.0)
         passed = self.obstacles.along_m + self.length_m + catches_up < -self._half_length_m
         return np.where(passed | runs, 0.0, weight)

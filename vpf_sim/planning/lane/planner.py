@@ -5,7 +5,7 @@ from math import inf
 
 import numpy as np
 
-from vpf_sim.planning.lane.config import LanePlannerConfig, LostRoadConfig
+from vpf_sim.planning.lane.config import LanePlannerConfig
 from vpf_sim.planning.lane.frame import NOTHING, Lane, LaneObstacles, locate, place
 from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
 from vpf_sim.planning.lane.lateral_cost import CostProfile, LateralCost
@@ -66,20 +66,19 @@ class LanePlanner:
         if config.clear_distance is not None:
             sight_m = perception.low_range_m
             allowed = speed_within_clear_distance(sight_m, config.clear_distance, config.braking, self._setup)
-        if config.lost_road is not None:
-            allowed = min(allowed, self._on_road(config.lost_road, perception.road, speed_mps))
+        allowed = min(allowed, self._on_road(perception.road, speed_mps))
         if self._tentative_limit is not None and perception.tentative is not None:
             tentative = place(perception.tentative, lane, self._config.obstacles.parts)
             allowed = self._tentative_limit.update(lane, tentative, goal_m, speed_mps, allowed)
         return replace(reference, speed_mps=allowed) if allowed < reference.speed_mps else reference
 
-    def _on_road(self, config: LostRoadConfig, road: RoadEdges, speed_mps: float) -> float:
+    def _on_road(self, road: RoadEdges, speed_mps: float) -> float:
         """m/s at most where the road is not seen, 0 after some way without it; inf where it is seen."""
         if max(road.confidence, road.lane_confidence) > 0.0:
             self._lost_m = 0.0
             return inf
         self._lost_m += speed_mps * (1.0 / self._setup.rate_hz)
-        return config.speed_mps if self._lost_m < config.way_m else 0.0
+        return self._config.lost_road_mps if self._lost_m < self._config.lost_road_m else 0.0
 
     def _recovered(
         self, lane: Lane, obstacles: Obstacles, observation: Observation, wanted: Reference

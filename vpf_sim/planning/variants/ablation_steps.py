@@ -23,9 +23,7 @@ class Change:
 
 
 DECISIONS = tuple(f"lane_planner.lateral_cost.{key}" for key in ("memory", "latch", "beside"))
-SPEED_LIMITS = tuple(
-    f"lane_planner.{key}" for key in ("speed", "clear_distance", "lost_road", "tentative_m", "recovery")
-)
+SPEED_LIMITS = tuple(f"lane_planner.{key}" for key in ("speed", "clear_distance", "tentative_m", "recovery"))
 CHANGES = (
     Change("flow", "flow: 20 frames a second, points spread over the road, checked forward and backward", ("flow",)),
     Change(
