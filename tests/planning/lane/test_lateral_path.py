@@ -164,44 +164,6 @@ def test_a_car_that_is_turned_from_an_obstacle_beside_the_car_turns_back_behind_
     assert min(gaps) > gap_m - 0.015
 
 
-@pytest.mark.parametrize(("way_m", "gap_m", "leaves"), [(6.0, 1.9, False), (12.0, 1.9, True), (6.0, 2.3, True)])
-def test_near_a_gap_that_is_too_narrow_the_car_is_not_turned_towards_it(
-    way_m: float, gap_m: float, leaves: bool
-) -> None:
-    """A row closes the road but for a gap 1 m to the right: it can still stop, and the gap may be none."""
-    faces, half = np.full(2, way_m + 0.5 * CAR.length_m), 0.5 * gap_m
-    bodies = LaneObstacles(faces, np.array([-12.0, 1.0 + half]), np.array([1.0 - half, 12.0]))
-    way = lane_reference(1.5)
-    for _ in range(150):
-        way.update(LANE, geometry(bodies), 1.0, 0.0, 1.5)
-    assert (way.y_m > 0.1) == leaves
-
-
-@pytest.mark.parametrize(("way_m", "right_m", "leaves"), [(16.0, 12.0, False), (9.0, 12.0, True), (16.0, 2.6, True)])
-def test_the_own_lane_is_left_no_sooner_than_it_must_be(way_m: float, right_m: float, leaves: bool) -> None:
-    """1.5 m aside before an obstacle, at 5.55 m/s; at once where another obstacle leaves no room to spare."""
-    half = 0.5 * CAR.width_m
-    faces = np.full(2, way_m + 0.5 * CAR.length_m)
-    bodies = LaneObstacles(faces, np.array([-1.0, right_m]), np.array([1.5 - half - 0.43, right_m + 1.0]))
-    way = lane_reference()
-    for _ in range(5):
-        way.update(LANE, geometry(bodies), 1.5, 0.0, 5.55)
-    assert (way.y_m > 0.0) == leaves
-
-
-@pytest.mark.parametrize(("speed_mps", "leaves"), [(0.0, False), (3.0, True)])
-def test_a_slower_car_is_not_waited_for(speed_mps: float, leaves: bool) -> None:
-    """Who is still behind it when it is near is no longer let past."""
-    half = 0.5 * CAR.width_m
-    ahead = LaneObstacles(
-        np.array([16.0 + 0.5 * CAR.length_m]), np.array([-1.0]), np.array([1.5 - half - 0.43]), np.array([speed_mps])
-    )
-    way = lane_reference()
-    for _ in range(5):
-        way.update(LANE, geometry(ahead), 1.5, 0.0, 5.55)
-    assert (way.y_m > 0.0) == leaves
-
-
 def test_between_two_obstacles_the_path_is_that_of_the_mirrored_world() -> None:
     """Where no slope is free to either side, it is neither's."""
 
@@ -212,12 +174,3 @@ def test_between_two_obstacles_the_path_is_that_of_the_mirrored_world() -> None:
         return glide.y_m
 
     assert ended(1.0) == -ended(-1.0)
-
-
-def test_the_way_back_does_not_wait() -> None:
-    """A car 1.5 m aside, its lane free, and an obstacle beside its present way far ahead."""
-    body = LaneObstacles(np.array([14.0]), np.array([1.0]), np.array([3.0]))
-    way = lane_reference()
-    for _ in range(30):
-        way.update(replace(LANE, y_m=1.5), geometry(body), 0.0, 0.0, 5.55)
-    assert way.y_m < 1.45

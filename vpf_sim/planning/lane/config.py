@@ -160,12 +160,6 @@ class LimitsConfig:
 
 
 @settings
-class WaitConfig:
-    reaction_s: float = setting("besides the way that the shift takes", ge=0.0)
-    slope: float = setting("of a path that has not left its place yet, at most", gt=0.0)
-
-
-@settings
 class PathConfig:
     speed_mps: float = setting("largest lateral speed", gt=0.0)
     shift_s: float = setting("duration of a shift when there is time", gt=0.0)
@@ -173,8 +167,6 @@ class PathConfig:
     shortest_s: float = setting("shortest duration of a shift", gt=0.0)
     lead_m: float = setting("from the rear axle to the path, at most", gt=0.0)
     slowest_closing_mps: float = setting("speed towards an obstacle, at least, for the time that is left", gt=0.0)
-    wait: WaitConfig | None = setting("Leaves the lane no sooner than it must.", default=None)
-    hold_m: float | None = setting("Stays straight until this near to a row without a gap.", default=None, gt=0.0)
 
 
 @settings

@@ -48,11 +48,6 @@ class ObstacleGeometry:
         gap: Floats = np.maximum(y_m - self._half_width_m - right_m, left_m - y_m - self._half_width_m)
         return gap
 
-    def hinders(self, y_m: float) -> Bools:
-        """(K,) which obstacles ahead are nearer to the car at y than the clearance wanted."""
-        hinders: Bools = self.present & (self.way_m > 0.0) & (self.overlap(y_m, self._clearance.wanted_m) > 0.0)
-        return hinders
-
     def beside(self, some: Bools) -> Bools:
         """(K,) which obstacles ahead are in a row with some (K,) of them."""
         beside: Bools = np.any(self.in_row & some, axis=1)
