@@ -14,11 +14,9 @@ from lane_planner import (
     LIMITS,
     RATE_HZ,
     ROBUST,
-    SETUP,
     SPEED,
     SPEED_MPS,
     geometry,
-    lateral_path,
     speed_limits,
     straight_lane,
     unwrap,
@@ -27,8 +25,6 @@ from lane_planner import (
 from vpf_sim.braking import comfortable_speed, hard_excess
 from vpf_sim.controllers.gtsmc import load_gains
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
-from vpf_sim.planning.lane.lateral_path import LateralPath
-from vpf_sim.planning.lane.speed.limits import SpeedLimits
 from vpf_sim.types import Floats
 
 LOOK = unwrap(SPEED.look)
@@ -226,70 +222,6 @@ def test_what_stands_farther_aside_before_an_obstacle_bounds_the_gap_with_it(sid
 
 def test_the_controller_brakes_hard_from_where_the_planner_asks_for_it() -> None:
     assert hard_excess(50.0) == load_gains("robust").hard_braking_error_mps
-
-
-def unwound(obstacles: LaneObstacles, path: LateralPath) -> float:
-    """v_d where only the steering slows a path, which need not come to rest."""
-    limits = SpeedLimits(replace(SPEED, rest_m=None), ROBUST, SETUP, LIMITS)
-    return limits.update(LANE, geometry(obstacles), 0.0, 2.0, path)
-
-
-@pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_the_wheels_are_straight_before_the_path_is_too_steep(side: float) -> None:
-    """On p + b^2 / (2 j) the path is headed most steeply at the wall beside it, and not at all where it is straight."""
-    wall = LaneObstacles(*(np.array([one]) for one in (BUMPER_M - 3.0, *sorted((side * 2.0, side * 5.0)))))
-    glide = lateral_path(0.0, 5.0)
-    glide.slope, glide.bend_per_m = side * 0.05, side * 0.12
-    speed_mps = unwound(wall, glide)
-    assert ROBUST.limits.walking_mps < speed_mps < SPEED_MPS
-    allowed = LIMITS.path_between(geometry(wall).between(LANE, 0.0), 0.0)[side > 0.0]
-    assert 0.05 + 0.12**2 / (2.0 * LIMITS.steering(np.array([speed_mps]))[0]) == pytest.approx(allowed + 0.02, abs=0.01)
-    glide.slope, glide.bend_per_m = side * 0.3, 0.0
-    assert unwound(wall, glide) > SPEED_MPS - 0.1
-
-
-def test_a_car_that_speeds_up_in_a_swerve_does_not_turn_on_towards_what_is_beside() -> None:
-    """A wall on either side of a path that bends towards one: the faster, the later the wheels are straight."""
-    wall = [(BUMPER_M - 3.0, 3.0, 5.0)]
-    steep, gentle = (bent(wall, 0.0, (0.0, 0.15, bend), False) for bend in (0.15, 0.02))
-    assert steep == bent(wall, 0.0, (0.0, 0.15, 0.15), True) < gentle
-
-
-def bent(
-    rows: list[tuple[float, float, float]], minimum_m: float, path: tuple[float, float, float], mirrored: bool
-) -> float:
-    """v_d at 5 m/s on a path (y, slope, bend) before obstacles (face, left, right), or mirrored."""
-    sign = -1.0 if mirrored else 1.0
-    sides = [(face, *sorted((sign * left, sign * right))) for face, left, right in rows]
-    y_m, slope, bend = (sign * one for one in path)
-    glide = lateral_path(y_m, 5.0)
-    glide.slope, glide.bend_per_m = slope, bend
-    lane = Lane(y_m, 9.0, -9.0, -slope, 0.0)
-    return speed_limits().update(lane, geometry(LaneObstacles(*np.array(sides).T)), sign * minimum_m, 5.0, glide)
-
-
-def test_a_path_that_would_run_wide_into_what_stands_beyond_the_gap_is_slowed_and_its_mirror_image_alike() -> None:
-    beyond = [(BUMPER_M + 3.0, 1.5 + HALF_M + 0.5, 5.0)]
-    path = (1.2, 0.35, 0.05)
-    assert bent(beyond, 1.5, path, False) == pytest.approx(2.5)  # no more below 5 m/s than comfort lets it
-    assert bent(beyond, 1.5, path, True) == bent(beyond, 1.5, path, False)
-    assert bent([(BUMPER_M + 3.0, 7.0, 8.0)], 1.5, path, False) > 5.0
-
-
-@pytest.mark.parametrize(("y_m", "slope", "bend"), [(1.6, 0.3, -0.05), (2.0, 0.2, -0.08), (2.25, 0.1, -0.05)])
-def test_a_path_that_leads_away_from_the_only_obstacle_is_not_slowed_by_how_it_comes_to_rest(
-    y_m: float, slope: float, bend: float
-) -> None:
-    passed = [(BUMPER_M + 0.5, -1.0, 1.0)]
-    straight = speed_limits().update(
-        Lane(y_m, 9.0, -9.0, -slope, 0.0), geometry(LaneObstacles(*np.array(passed).T)), 2.3, 5.0
-    )
-    assert bent(passed, 2.3, (y_m, slope, bend), False) == straight
-
-
-def test_a_wall_on_both_sides_slows_a_path_to_the_left_as_one_to_the_right() -> None:
-    wall = [(7.0, -5.0, 5.0)]
-    assert bent(wall, 0.0, (0.0, 0.2, 0.0), False) == bent(wall, 0.0, (0.0, 0.2, 0.0), True)
 
 
 def test_a_gap_that_proves_narrow_beside_the_car_is_no_reason_to_brake_beyond_comfort() -> None:

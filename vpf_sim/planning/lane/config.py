@@ -197,11 +197,6 @@ class NarrowGapConfig:
 
 
 @settings
-class UnwindConfig:
-    pass
-
-
-@settings
 class CreepConfig:
     standing_s: float = setting("at standstill, before each of two stages", gt=0.0)
     speed_mps: float = setting("of creeping", gt=0.0)
@@ -222,8 +217,6 @@ class SpeedConfig:
     look: LookConfig | None = setting("Slows before a gap that one more obstacle would close.", default=None)
     headed_s: float | None = setting("Slows where an obstacle is met sooner.", default=None, gt=0.0)
     firm_mps2: float | None = setting("Brakes in comfort up to this deceleration.", default=None, gt=0.0)
-    rest_m: float | None = setting("Slows a path that runs wide into an obstacle by more.", default=None, ge=0.0)
-    unwind: UnwindConfig | None = setting("Slows until the wheels are straight in time.", default=None)
     far_standoff_m: float | None = setting("Stops at most so far off to keep a side in reach.", default=None, gt=0.0)
     creep: CreepConfig | None = setting("Creeps up to what blocks the way after a stand.", default=None)
 

@@ -17,7 +17,6 @@ import numpy as np
 
 from vpf_sim.planning.lane.config import LanePlannerConfig
 from vpf_sim.planning.lane.frame import Lane
-from vpf_sim.planning.lane.steering_unwind import rest
 from vpf_sim.types import Bools, Floats, VehicleModel
 
 PEAK_SPEED, PEAK_ACCELERATION = 1.4, 4.4  # of a least-jerk shift D in T: 1.4 D / T and 4.4 D / T^2
@@ -49,10 +48,6 @@ class Limits:
         by_steering = np.cbrt(STEERED * shift_m / self.steering_per_m2)
         way: Floats = np.maximum(np.maximum(by_curve, by_slope), by_steering)
         return way
-
-    def rest(self, slope: float, bend_per_m: float) -> tuple[Floats, Floats]:
-        """(N,) m of way until a path can lead along the road, and m across it until then (`steering_unwind`)."""
-        return rest(slope, bend_per_m, self.steering_per_m2, self.tightest_per_m)
 
 
 class KinematicLimits:

@@ -48,7 +48,7 @@ class LaneReference:
         """One step of 1 / rate_hz towards the minimum of the lateral cost."""
         wanted = self._speed_reference_mps
         if self._speed_limits is not None:
-            wanted = self._speed_limits.update(lane, geometry, minimum_m, speed_mps, self._path)
+            wanted = self._speed_limits.update(lane, geometry, minimum_m, speed_mps)
         config = self._config.path
         if config is None:
             self.y_m = minimum_m

@@ -7,14 +7,12 @@ import numpy as np
 from vpf_sim.braking import comfortable_speed, hard_excess
 from vpf_sim.planning.lane.config import LanePlannerConfig, LookConfig, SpeedConfig
 from vpf_sim.planning.lane.frame import Lane
-from vpf_sim.planning.lane.kinematic_limits import SPEEDS_MPS, KinematicLimits
-from vpf_sim.planning.lane.lateral_path import LateralPath
+from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.speed.creep import Creep
 from vpf_sim.types import Bools, DriverSetup, Floats
 
 SHORTEST_M = 0.1  # of a stop: the error of a face
-STRAIGHT = 0.02  # slope, and share of the tightest bend, of a path that needs no rest
 
 
 class SpeedLimits:
@@ -35,24 +33,9 @@ class SpeedLimits:
         self._wanted_mps, creep = speed_mps, self._config.creep
         self._creep = None if creep is None else Creep(creep.standing_s, self._planner, self._setup)
 
-    def update(
-        self,
-        lane: Lane,
-        geometry: ObstacleGeometry,
-        minimum_m: float,
-        speed_mps: float,
-        path: LateralPath | None = None,
-    ) -> float:
-        """m/s after one step of 1 / rate_hz, where the car follows a path or, without one, goes along the road.
-
-        It falls at once and rises gently.
-        """
-        config = self._config
+    def update(self, lane: Lane, geometry: ObstacleGeometry, minimum_m: float, speed_mps: float) -> float:
+        """m/s after one step of 1 / rate_hz; it falls at once and rises gently."""
         wanted = self._speed(lane, geometry, minimum_m, speed_mps)
-        if path is not None and len(geometry):
-            settled = inf if config.rest_m is None else self._settled(config.rest_m, geometry, minimum_m, path)
-            unwound = inf if config.unwind is None else self._unwound(geometry, lane, path)
-            wanted = min(wanted, max(min(settled, unwound), self._comfortable(speed_mps)))
         rise = self._braking.rise_mps2 * self._dt_s
         self._wanted_mps = min(wanted, max(self._wanted_mps, speed_mps) + rise)
         return self._wanted_mps
@@ -196,36 +179,6 @@ class SpeedLimits:
         goal_m = 0.0 if ((beyond > 0.0) & geometry.present).any() else abs(minimum_m - y)
         there = np.maximum(self._kinematics.speed(way, wanted, goal_m, abs(slope)), self._walking_mps)
         return geometry.obstacles.speed_mps + np.where(reached, there, 0.0)
-
-    def _settled(self, tolerance_m: float, geometry: ObstacleGeometry, minimum_m: float, path: LateralPath) -> float:
-        """m/s at which the path comes to rest before it is too near to obstacles beyond the minimum."""
-        if max(abs(path.slope), abs(path.bend_per_m) * self._kinematics.radius_m) < STRAIGHT:
-            return inf
-        if not geometry.stands.any():
-            return max(float(SPEEDS_MPS[-1]), self._walking_mps)
-        way, shift = self._kinematics.at_speeds.rest(path.slope, path.bend_per_m)
-        room = -geometry.overlap(minimum_m, 0.0)
-        kept = np.minimum(room, self._clearance.full_speed_m)
-        side = np.sign(geometry.obstacles.middle_m - minimum_m)
-        last = minimum_m + side * (room - kept + tolerance_m)  # (K,) place from which there is less than that
-        beyond, towards = side[:, None] * (path.y_m + shift - last[:, None]), side[:, None] * shift > 0.0
-        reached = geometry.stands[:, None] & towards & (geometry.way_m[:, None] < way)
-        worst = beyond.max(axis=0, where=reached, initial=-1.0)
-        settled = float(np.interp(0.0, np.maximum.accumulate(worst), SPEEDS_MPS))
-        return max(settled, self._walking_mps)
-
-    def _unwound(self, geometry: ObstacleGeometry, lane: Lane, path: LateralPath) -> float:
-        """m/s at which the wheels are straight before the path is too steep towards what is beside it.
-
-        The slope is largest there, p + b^2 / (2 j), and j falls with the speed (`steering_unwind`).
-        """
-        if abs(path.bend_per_m) * self._kinematics.radius_m < STRAIGHT:
-            return inf
-        side = 1.0 if path.bend_per_m > 0.0 else -1.0
-        largest = self._kinematics.path_between(geometry.between(lane, path.y_m), path.y_m)[side > 0.0]
-        peak = side * path.slope + 0.5 * path.bend_per_m**2 / self._kinematics.at_speeds.steering_per_m2
-        unwound = float(np.interp(largest + STRAIGHT, peak, SPEEDS_MPS, right=inf))
-        return max(unwound, self._walking_mps)
 
 
 def braked(speed_mps: float, closing_mps: Floats, way_m: Floats, firm_mps2: float, full_mps2: float) -> Floats:
