@@ -1,7 +1,7 @@
 """Geometry of the obstacles of one step: the way to each, the gaps beside it, and whether it counts."""
 
 from dataclasses import replace
-from math import inf, sqrt, tan
+from math import inf, sqrt
 
 import numpy as np
 
@@ -132,19 +132,6 @@ class ObstacleGeometry:
         turned = np.arccos(np.minimum(self._half_width_m / np.hypot(room, ahead_m), 1.0)) - np.arctan2(ahead_m, room)
         return float(np.sin(turned).min(initial=inf))
 
-    def gaps(self, lane: Lane, y_m: float, beside_m: float) -> Floats:
-        """(K,) m, width of the gap at y between the edges and the obstacles met with each one.
-
-        inf for an obstacle that is not ahead within `beside_m` of the car's side.
-        """
-        stands = self.stands & (self.way_m > 0.0)
-        row = stands & (np.abs(self.way_m - self.way_m[:, None]) < self._config.row_depth_m)
-        beyond = self.obstacles.middle_m > y_m
-        right = np.where(row & beyond, self.obstacles.left_m, lane.right_m).min(axis=1, initial=lane.right_m)
-        left = np.where(row & ~beyond, self.obstacles.right_m, lane.left_m).max(axis=1, initial=lane.left_m)
-        bounds = stands & (self.overlap(y_m, beside_m) > 0.0)
-        return np.where(bounds, right - left, np.inf)
-
     def kept_beside(self, y_m: float, minimum_m: float) -> float:
         """The minimum, no nearer to moving obstacles that a path at y passes than the clearance wanted.
 
@@ -161,19 +148,6 @@ class ObstacleGeometry:
         most = float((self.obstacles.left_m - margin).min(where=passing & (middle > y_m), initial=inf))
         least, most = min(least, y_m), max(most, y_m)  # the path is not pushed away: the cost does that
         return min(max(minimum_m, least), most)
-
-    def met(self, lane: Lane) -> Floats:
-        """(K,) m until the front of the car meets each obstacle if it goes straight on; inf where never.
-
-        As if all were static: for one that moves on, it is less than it takes.
-        """
-        slope = -tan(lane.heading_rad)
-        y = lane.y_m + slope * self.obstacles.along_m  # of our front where it is abreast of the face
-        beyond = np.maximum(self.obstacles.left_m - y, y - self.obstacles.right_m) - self._half_width_m
-        nears = (self.obstacles.left_m + self.obstacles.right_m - 2.0 * y) * slope > 0.0
-        further = np.maximum(beyond, 0.0) / max(abs(slope), FREE_M)
-        meets = (beyond <= 0.0) | (nears & (further < self.length_m))
-        return np.where(meets & (self.way_m > 0.0), self.way_m + further, np.inf)
 
     def _same_row(self) -> Bools:
         """(K, K) which obstacles are in one row: the face of one not far behind the rear of the other.

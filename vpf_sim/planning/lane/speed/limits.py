@@ -5,7 +5,7 @@ from math import inf, sqrt, tan
 import numpy as np
 
 from vpf_sim.braking import comfortable_speed, hard_excess
-from vpf_sim.planning.lane.config import LanePlannerConfig, LookConfig, SpeedConfig
+from vpf_sim.planning.lane.config import LanePlannerConfig, SpeedConfig
 from vpf_sim.planning.lane.frame import Lane
 from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
@@ -69,13 +69,8 @@ class SpeedLimits:
         counts = (geometry.present | geometry.moves) & (way > 0.0)
         if not counts.any():
             return limit
-        if config.look is not None:
-            limit = min(limit, max(self._looking(config.look, lane, geometry, minimum_m), ease))
         limits = self._before_each(lane, geometry, minimum_m, speed_mps, gap, passed)
         creep_mps = 0.0 if config.creep is None else config.creep.speed_mps
-        if config.headed_s is not None:
-            met = geometry.obstacles.speed_mps + np.maximum(geometry.met(lane) / config.headed_s, creep_mps)
-            limits = np.minimum(limits, np.maximum(met, ease))
         creep = np.where((way > nearest) & ~geometry.moves, creep_mps, 0.0)
         return float(np.maximum(limits, creep).min(where=counts, initial=limit))
 
@@ -142,13 +137,6 @@ class SpeedLimits:
         stops = braked(speed_mps, closing, way - self._config.near_m, *decelerations)
         least = np.where(shut & ~closed, ease, stops)
         return np.where(shut & (turns > -inf) & (turns < ease), turns, np.maximum(limits_mps, least))
-
-    def _looking(self, config: LookConfig, lane: Lane, geometry: ObstacleGeometry, minimum_m: float) -> float:
-        """m/s before a row with a gap that one more obstacle would close: a stop leaves the way for a turn."""
-        gap = geometry.gaps(lane, minimum_m, config.beside_m)
-        narrow = geometry.beside((gap > 0.0) & (gap < config.gap_m)) & (geometry.way_m > self._config.turn_m)
-        nearest = float(geometry.way_m.min(where=narrow, initial=inf))
-        return sqrt(config.speed_mps**2 + 2.0 * self._braking.comfort_mps2 * max(nearest - config.ahead_m, 0.0))
 
     def _beside(self, gap_m: Floats) -> Floats:
         """(K,) m/s at which obstacles are passed at that gap; inf where it is as wide as wanted."""
