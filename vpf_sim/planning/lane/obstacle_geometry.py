@@ -48,22 +48,6 @@ class ObstacleGeometry:
         gap: Floats = np.maximum(y_m - self._half_width_m - right_m, left_m - y_m - self._half_width_m)
         return gap
 
-    def beside(self, some: Bools) -> Bools:
-        """(K,) which obstacles ahead are in a row with some (K,) of them."""
-        beside: Bools = np.any(self.in_row & some, axis=1)
-        return beside
-
-    def shut_rows(self, y_m: float) -> Bools:
-        """(K,) which obstacles ahead are in a row that leaves the car at y no way through.
-
-        The first of a row must leave the least clearance, those behind it the one of full speed: their sides have
-        larger errors, and from within the row there is no way to another gap.
-        """
-        nearer = self.way_m[:, None] < self.way_m
-        behind = (self.in_row & nearer).any(axis=0)
-        shuts = self.overlap(y_m, 0.0) > -np.where(behind, self._clearance.full_speed_m, self._clearance.least_m)
-        return self.beside(shuts & self.stands)
-
     def shift(self, y_m: float, goal_m: float, clearance_m: Floats | float) -> Floats:
         """(K,) m from y towards a goal across the road until the car is clear of each; <= 0 where it is."""
         margin = self._half_width_m + clearance_m

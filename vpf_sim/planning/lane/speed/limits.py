@@ -40,16 +40,6 @@ class SpeedLimits:
         self._wanted_mps = min(wanted, max(self._wanted_mps, speed_mps) + rise)
         return self._wanted_mps
 
-    def shut(self, geometry: ObstacleGeometry, minimum_m: float) -> Bools:
-        """(K,) before which obstacles the car stops, since at the minimum there is no way past them.
-
-        Until it creeps, it stops before the first of a row that any of it closes.
-        """
-        if self._config.row_stop is None or (self._creep is not None and self._creep.is_allowed):
-            closed = geometry.overlap(minimum_m, self._clearance.least_m) > 0.0
-            return closed & geometry.stands & (geometry.way_m > 0.0)
-        return geometry.shut_rows(minimum_m)
-
     def _comfortable(self, speed_mps: float) -> float:
         """m/s, the least that is asked of a car at that speed; -inf where its comfort does not count."""
         return -inf if self._config.firm_mps2 is None else comfortable_speed(speed_mps)
@@ -88,11 +78,11 @@ class SpeedLimits:
         there = np.maximum(stop, passed_mps)
         if turned_m is not None:
             there = np.minimum(self._before(turned_m, lane, geometry, minimum_m, gap_m), there)
-        closed, shut = gap_m < self._clearance.least_m, self.shut(geometry, minimum_m)
-        limits = np.where(closed | shut, stop, there)
+        closed = gap_m < self._clearance.least_m
+        limits = np.where(closed, stop, there)
         if self._config.firm_mps2 is None:
             return limits
-        return self._braked(self._config.firm_mps2, limits, geometry, speed_mps, closed, shut)
+        return self._braked(self._config.firm_mps2, limits, geometry, speed_mps, closed & geometry.stands)
 
     def _stop(self, lane: Lane, geometry: ObstacleGeometry) -> Floats:
         """(K,) m/s from which the car stops before each obstacle, or falls in behind a moving one."""
@@ -119,13 +109,12 @@ class SpeedLimits:
         limits_mps: Floats,
         geometry: ObstacleGeometry,
         speed_mps: float,
-        closed: Bools,
         shut: Bools,
     ) -> Floats:
         """(K,) m/s, the limits before each obstacle as far as comfort allows.
 
-        The car brakes beyond comfort where it would else hit an obstacle that closes the way, or, before a row that is
-        shut, where that leaves the way for a turn.
+        The car brakes beyond comfort where it would else hit an obstacle, or, before a static one that closes the way,
+        where that leaves the way for a turn.
         """
         closing, way, ease = (
             speed_mps - geometry.obstacles.speed_mps,
@@ -135,8 +124,7 @@ class SpeedLimits:
         decelerations = firm_mps2, self._setup.vehicle.full_brake_mps2
         turns = braked(speed_mps, closing, way - self._config.turn_m, *decelerations)
         stops = braked(speed_mps, closing, way - self._config.near_m, *decelerations)
-        least = np.where(shut & ~closed, ease, stops)
-        return np.where(shut & (turns > -inf) & (turns < ease), turns, np.maximum(limits_mps, least))
+        return np.where(shut & (turns > -inf) & (turns < ease), turns, np.maximum(limits_mps, stops))
 
     def _beside(self, gap_m: Floats) -> Floats:
         """(K,) m/s at which obstacles are passed at that gap; inf where it is as wide as wanted."""
