@@ -12,7 +12,6 @@ from lane_planner import (
     HALF_M,
     LIMITS,
     RATE_HZ,
-    ROBUST,
     SPEED,
     SPEED_MPS,
     geometry,
@@ -43,29 +42,6 @@ def gate(gap_m: float, way_m: float) -> LaneObstacles:
     inner = HALF_M + gap_m
     rows = ((way_m + BUMPER_M, -inner - 2.0, -inner), (way_m + BUMPER_M, inner, inner + 2.0))
     return LaneObstacles(*np.array(rows).T)
-
-
-def test_the_narrower_the_gap_the_slower_and_without_a_jump() -> None:
-    gaps = np.linspace(CLEARANCE.least_m + 1e-6, CLEARANCE.full_speed_m + 0.05, 50)
-    speeds = np.array([wanted(gate(gap, 2.0)) for gap in gaps])
-    assert speeds[0] == pytest.approx(ROBUST.limits.walking_mps, abs=1e-3)
-    assert speeds[-1] == SPEED_MPS
-    assert np.all(np.diff(speeds) >= 0.0)
-    assert np.diff(speeds).max() < 0.15
-    assert wanted(gate(CLEARANCE.least_m - 0.01, 1.0)) == 0.0  # no longer far enough for a stop in comfort
-
-
-def test_a_gap_is_left_as_slowly_as_it_is_entered() -> None:
-    """Until the rear has passed the obstacles, which are 3.5 m long at least."""
-    through = 2.0 * BUMPER_M + ROBUST.obstacles.length_m
-    before, beside, past = (wanted(gate(NARROW_M, way_m)) for way_m in (0.5, 0.1 - through, -0.1 - through))
-    assert beside == pytest.approx(before, abs=1e-6)
-    assert before < SPEED_MPS == past
-
-
-def test_what_a_gap_allows_does_not_depend_on_the_speed_that_the_car_has() -> None:
-    speeds = [wanted(gate(NARROW_M, 2.0), ROBUST.limits.walking_mps + off) for off in (-0.01, 0.01)]
-    assert speeds[0] == speeds[1] > ROBUST.limits.walking_mps
 
 
 def walk(half_width_m: float, way_m: float, seconds: float) -> Floats:

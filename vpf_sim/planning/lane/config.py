@@ -178,11 +178,6 @@ class CorrectionConfig:
 
 
 @settings
-class NarrowGapConfig:
-    pass
-
-
-@settings
 class CreepConfig:
     standing_s: float = setting("at standstill, before each of two stages", gt=0.0)
     speed_mps: float = setting("of creeping", gt=0.0)
@@ -197,7 +192,6 @@ class SpeedConfig:
     time_gap_s: float = setting("kept from a moving obstacle besides the standoff", ge=0.0)
     fall_back_mps: float = setting("by which a too near moving obstacle is let go ahead", gt=0.0)
     bend_mps2: float | None = setting("Largest lateral acceleration in bends.", default=None, gt=0.0)
-    narrow_gap: NarrowGapConfig | None = setting("Slows beside near obstacles.", default=None)
     turned_m: float | None = setting("Shifts before obstacles; a turned car is so much wider.", default=None, ge=0.0)
     firm_mps2: float | None = setting("Brakes in comfort up to this deceleration.", default=None, gt=0.0)
     far_standoff_m: float | None = setting("Stops at most so far off to keep a side in reach.", default=None, gt=0.0)

@@ -24,8 +24,6 @@ class SpeedLimits:
         self._config, self._planner, self._setup, self._kinematics = config, planner, setup, kinematics
         self._clearance, self._braking = planner.clearance, planner.braking
         self._walking_mps, self._dt_s = planner.limits.walking_mps, 1.0 / setup.rate_hz
-        self._gaps_m = np.array([self._clearance.least_m, self._clearance.full_speed_m])
-        self._beside_mps = np.array([self._walking_mps, setup.speed_reference_mps])
         self.restart(setup.speed_reference_mps)
 
     def restart(self, speed_mps: float) -> None:
@@ -54,12 +52,10 @@ class SpeedLimits:
             return limit
         way, nearest = geometry.way_m, inf if self._creep is None else self._creep.nearest(speed_mps)
         gap = -geometry.overlap(minimum_m, 0.0)
-        passed = geometry.obstacles.speed_mps + self._beside(gap)
-        limit = float(np.maximum(passed, ease).min(where=geometry.stands & (way <= 0.0), initial=limit))
         counts = (geometry.present | geometry.moves) & (way > 0.0)
         if not counts.any():
             return limit
-        limits = self._before_each(lane, geometry, minimum_m, speed_mps, gap, passed)
+        limits = self._before_each(lane, geometry, minimum_m, speed_mps, gap)
         creep_mps = 0.0 if config.creep is None else config.creep.speed_mps
         creep = np.where((way > nearest) & ~geometry.moves, creep_mps, 0.0)
         return float(np.maximum(limits, creep).min(where=counts, initial=limit))
@@ -71,13 +67,12 @@ class SpeedLimits:
         minimum_m: float,
         speed_mps: float,
         gap_m: Floats,
-        passed_mps: Floats,
     ) -> Floats:
         """(K,) m/s before each obstacle: of a stop where it closes the way, else of the shift past it."""
         stop, turned_m = self._stop(lane, geometry), self._config.turned_m
-        there = np.maximum(stop, passed_mps)
+        there: Floats = np.full(len(geometry), inf)
         if turned_m is not None:
-            there = np.minimum(self._before(turned_m, lane, geometry, minimum_m, gap_m), there)
+            there = self._before(turned_m, lane, geometry, minimum_m, gap_m)
         closed = gap_m < self._clearance.least_m
         limits = np.where(closed, stop, there)
         if self._config.firm_mps2 is None:
@@ -125,13 +120,6 @@ class SpeedLimits:
         turns = braked(speed_mps, closing, way - self._config.turn_m, *decelerations)
         stops = braked(speed_mps, closing, way - self._config.near_m, *decelerations)
         return np.where(shut & (turns > -inf) & (turns < ease), turns, np.maximum(limits_mps, stops))
-
-    def _beside(self, gap_m: Floats) -> Floats:
-        """(K,) m/s at which obstacles are passed at that gap; inf where it is as wide as wanted."""
-        if self._config.narrow_gap is None:
-            return np.full(len(gap_m), inf)
-        speed = np.interp(gap_m, self._gaps_m, self._beside_mps)
-        return np.where(gap_m < self._clearance.full_speed_m, speed, np.inf)
 
     def _before(
         self, turned_m: float, lane: Lane, geometry: ObstacleGeometry, minimum_m: float, gap_m: Floats
