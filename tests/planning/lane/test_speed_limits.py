@@ -10,7 +10,6 @@ from lane_planner import (
     CAR,
     CLEARANCE,
     HALF_M,
-    LIMITS,
     RATE_HZ,
     SPEED,
     SPEED_MPS,
@@ -23,11 +22,10 @@ from lane_planner import (
 from vpf_sim.braking import comfortable_speed, hard_excess
 from vpf_sim.controllers.gtsmc import load_gains
 from vpf_sim.planning.lane.frame import LaneObstacles
-from vpf_sim.types import Floats
 
 NEAR_M, TURNS_M, FULL_MPS2 = SPEED.near_m, SPEED.turn_m, CAR.full_brake_mps2
 FIRM_MPS2 = unwrap(SPEED.firm_mps2)
-FALL_BACK_MPS, FAR_STANDOFF_M = SPEED.fall_back_mps, unwrap(SPEED.far_standoff_m)
+FALL_BACK_MPS = SPEED.fall_back_mps
 NARROW_M = 0.5 * (CLEARANCE.least_m + CLEARANCE.full_speed_m)
 LANE = straight_lane()
 
@@ -42,33 +40,6 @@ def gate(gap_m: float, way_m: float) -> LaneObstacles:
     inner = HALF_M + gap_m
     rows = ((way_m + BUMPER_M, -inner - 2.0, -inner), (way_m + BUMPER_M, inner, inner + 2.0))
     return LaneObstacles(*np.array(rows).T)
-
-
-def walk(half_width_m: float, way_m: float, seconds: float) -> Floats:
-    """(N,) m left to an obstacle ahead of a car that follows what is wanted as the controller does."""
-    speed, watch, left = SPEED_MPS, speed_limits(), []
-    for _ in range(round(seconds * RATE_HZ)):
-        body = LaneObstacles(*np.array([[way_m + BUMPER_M, -half_width_m, half_width_m]]).T)
-        error = watch.update(LANE, geometry(body), 0.0, speed) - speed
-        speed = max(0.0, speed + 3.6 * min(max(error, -1.0), 1.0) / RATE_HZ)
-        way_m -= speed / RATE_HZ
-        left.append(way_m)
-    return np.array(left)
-
-
-def test_the_car_stops_and_looks_where_it_can_still_get_aside_before_it_walks_up_to_what_blocks_it() -> None:
-    """An obstacle 1.6 m wide with a side 1.87 m aside, and a wider one."""
-    side = 0.8 + HALF_M + CLEARANCE.least_m
-    least = float(LIMITS.least_way(np.array([side]))[0])
-    assert LIMITS.aside(np.array([least]))[0] == pytest.approx(side)
-    for half_width_m, first in ((0.8, min(least, FAR_STANDOFF_M)), (3.0, FAR_STANDOFF_M)):
-        left = walk(half_width_m, 12.0, 60.0)
-        stops = np.array([first, BRAKING.standoff_m, BRAKING.closest_standoff_m])
-        rests = left[np.flatnonzero(np.abs(np.diff(left)) < 1e-5)]
-        beyond = stops[None] - rests[:, None]  # the car's speed falls a little late
-        near = (beyond > -0.05) & (beyond < 0.35)
-        assert near.any(axis=1).all()
-        assert near.any(axis=0).all()
 
 
 def test_short_stands_do_not_add_up() -> None:
@@ -120,16 +91,3 @@ def test_the_controller_brakes_hard_from_where_the_planner_asks_for_it() -> None
 def test_a_gap_that_proves_narrow_beside_the_car_is_no_reason_to_brake_beyond_comfort() -> None:
     for gap_m in (0.17, 0.13, 0.0):
         assert wanted(gate(gap_m, -1.0), 5.0) >= comfortable_speed(5.0)
-
-
-def test_the_nearer_side_is_one_where_no_other_obstacle_stands() -> None:
-    """Two obstacles without room between them; their outer sides are 3.5 and 4.5 m from the middle."""
-    rows = np.array([(8.0, -1.0, 0.9), (8.0, 1.5, 2.5)])
-    free = geometry(LaneObstacles(*rows.T)).nearer_side(LANE)
-    assert free[0] == pytest.approx(1.0 + HALF_M + CLEARANCE.least_m)
-    to_the_left = np.array([(8.0, -1.0, 0.9), (8.0, -3.0, -1.5)])
-    assert geometry(LaneObstacles(*to_the_left.T)).nearer_side(LANE)[0] == pytest.approx(
-        0.9 + HALF_M + CLEARANCE.least_m
-    )
-    both = np.array([(8.0, -1.0, 0.9), (8.0, 1.5, 9.0), (8.0, -9.0, -1.5)])
-    assert np.all(geometry(LaneObstacles(*both.T)).nearer_side(LANE) == 0.0)

@@ -194,7 +194,6 @@ class SpeedConfig:
     bend_mps2: float | None = setting("Largest lateral acceleration in bends.", default=None, gt=0.0)
     turned_m: float | None = setting("Shifts before obstacles; a turned car is so much wider.", default=None, ge=0.0)
     firm_mps2: float | None = setting("Brakes in comfort up to this deceleration.", default=None, gt=0.0)
-    far_standoff_m: float | None = setting("Stops at most so far off to keep a side in reach.", default=None, gt=0.0)
     creep: CreepConfig | None = setting("Creeps up to what blocks the way after a stand.", default=None)
 
 

@@ -130,13 +130,6 @@ class KinematicLimits:
         aside: Floats = np.minimum(turning, way * self._config.walking_ratio / MEAN_SLOPE)
         return aside
 
-    def least_way(self, shift_m: Floats) -> Floats:
-        """m, the way on which each shift is just possible: the inverse of `aside`."""
-        shift = np.maximum(shift_m, 0.0)
-        turning = np.sqrt(PEAK_ACCELERATION * self.radius_m * shift)
-        least: Floats = np.maximum(turning, shift * MEAN_SLOPE / self._config.walking_ratio)
-        return least
-
     def reaches(self, way_m: Floats, shift_m: Floats, slope: float) -> Bools:
         """(K,) whether shifts are possible at all for a car headed at a slope towards them (`brought`)."""
         reached: Bools = shift_m - self.brought(way_m, slope) <= self.aside(way_m)

@@ -9,8 +9,6 @@ from vpf_sim.planning.lane.config import LanePlannerConfig
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
 from vpf_sim.types import Bools, DriverSetup, Floats
 
-FREE_M = 1e-6  # an obstacle does not occupy its own side
-
 
 class ObstacleGeometry:
     """K obstacles in lane coordinates and the car; a y is that of its middle."""
@@ -55,19 +53,6 @@ class ObstacleGeometry:
         if goal_m >= y_m:
             return np.where(goal_m > least, most - y_m, 0.0)
         return np.where(goal_m < most, y_m - least, 0.0)
-
-    def nearer_side(self, lane: Lane) -> Floats:
-        """(K,) m to the nearer side of each obstacle in the way that is on the road and free; else 0."""
-        margin = self._half_width_m + self._clearance.edge_m
-        here, aside = lane.y_m, self._half_width_m + self._clearance.least_m
-        least, most = self.obstacles.left_m - aside, self.obstacles.right_m + aside  # of the places that each takes
-        sides = np.concatenate([least, most])
-        taken = (least[:, None] < sides - FREE_M) & (sides + FREE_M < most[:, None]) & self.stands[:, None]
-        off = (sides < lane.left_m + margin) | (sides > lane.right_m - margin) | np.any(taken, axis=0)
-        free = np.where(off, np.inf, np.abs(sides - here))
-        in_way = (least < here) & (here < most)
-        nearer = float(free.min(initial=np.inf))
-        return np.where(in_way & (nearer < np.inf), nearer, 0.0)
 
     def between(self, lane: Lane, path_m: float) -> Lane:
         """The lane between the obstacles that the car passes, instead of between the road's edges.

@@ -82,21 +82,13 @@ class SpeedLimits:
     def _stop(self, lane: Lane, geometry: ObstacleGeometry) -> Floats:
         """(K,) m/s from which the car stops before each obstacle, or falls in behind a moving one."""
         way, body_mps, config = geometry.way_m, geometry.obstacles.speed_mps, self._config
-        spare = way - self._standoff(lane, geometry) - config.time_gap_s * body_mps
+        spare = way - self._braking.standoff_m - config.time_gap_s * body_mps
         stop: Floats = np.sqrt(2.0 * self._braking.comfort_mps2 * np.maximum(spare, 0.0))
         if not geometry.moves.any():
             return stop
         share = np.maximum(1.0 + spare / (self._braking.standoff_m + np.maximum(way, 0.0)), 0.0)
         falls_back = np.where(way > config.near_m, body_mps - config.fall_back_mps, 0.0)
         return np.maximum(body_mps * np.minimum(share, 1.0), falls_back) + stop
-
-    def _standoff(self, lane: Lane, geometry: ObstacleGeometry) -> Floats | float:
-        """(K,) m from the bumper to each face, kept when stopping: before static ones, a side stays in reach."""
-        standoff_m, far_m = self._braking.standoff_m, self._config.far_standoff_m
-        if far_m is None or geometry.moves.all():
-            return standoff_m
-        needed = self._kinematics.least_way(geometry.nearer_side(lane))
-        return np.where(geometry.moves, standoff_m, np.minimum(np.maximum(needed, standoff_m), far_m))
 
     def _braked(
         self,
