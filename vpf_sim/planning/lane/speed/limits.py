@@ -38,13 +38,9 @@ class SpeedLimits:
         self._wanted_mps = min(wanted, max(self._wanted_mps, speed_mps) + rise)
         return self._wanted_mps
 
-    def _comfortable(self, speed_mps: float) -> float:
-        """m/s, the least that is asked of a car at that speed; -inf where its comfort does not count."""
-        return -inf if self._config.firm_mps2 is None else comfortable_speed(speed_mps)
-
     def _speed(self, lane: Lane, geometry: ObstacleGeometry, minimum_m: float, speed_mps: float) -> float:
         """v_d: the reference speed, less in tight bends and before obstacles that cannot be cleared in time."""
-        config, limit, ease = self._config, self._setup.speed_reference_mps, self._comfortable(speed_mps)
+        config, limit = self._config, self._setup.speed_reference_mps
         bend = abs(lane.curvature_per_m)
         if config.bend_mps2 is not None and bend > 0.0:
             limit = min(limit, sqrt(config.bend_mps2 / bend))
@@ -69,7 +65,7 @@ class SpeedLimits:
         gap_m: Floats,
     ) -> Floats:
         """(K,) m/s before each obstacle: of a stop where it closes the way, else of the shift past it."""
-        stop, turned_m = self._stop(lane, geometry), self._config.turned_m
+        stop, turned_m = self._stop(geometry), self._config.turned_m
         there: Floats = np.full(len(geometry), inf)
         if turned_m is not None:
             there = self._before(turned_m, lane, geometry, minimum_m, gap_m)
@@ -79,7 +75,7 @@ class SpeedLimits:
             return limits
         return self._braked(self._config.firm_mps2, limits, geometry, speed_mps, closed & geometry.stands)
 
-    def _stop(self, lane: Lane, geometry: ObstacleGeometry) -> Floats:
+    def _stop(self, geometry: ObstacleGeometry) -> Floats:
         """(K,) m/s from which the car stops before each obstacle, or falls in behind a moving one."""
         way, body_mps, config = geometry.way_m, geometry.obstacles.speed_mps, self._config
         spare = way - self._braking.standoff_m - config.time_gap_s * body_mps
