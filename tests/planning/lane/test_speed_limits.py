@@ -10,7 +10,6 @@ from lane_planner import (
     CAR,
     CLEARANCE,
     HALF_M,
-    RATE_HZ,
     SPEED,
     SPEED_MPS,
     geometry,
@@ -40,15 +39,6 @@ def gate(gap_m: float, way_m: float) -> LaneObstacles:
     inner = HALF_M + gap_m
     rows = ((way_m + BUMPER_M, -inner - 2.0, -inner), (way_m + BUMPER_M, inner, inner + 2.0))
     return LaneObstacles(*np.array(rows).T)
-
-
-def test_short_stands_do_not_add_up() -> None:
-    watch, walls = speed_limits(), geometry(LaneObstacles(*np.array([[5.0, -1.0, 1.0]]).T))
-    for second in range(10):
-        for _ in range(round(2.0 * RATE_HZ)):
-            assert watch.update(LANE, walls, 0.0, 0.0) == 0.0, second
-        for _ in range(round(0.5 * RATE_HZ)):
-            watch.update(LANE, walls, 0.0, 0.5)
 
 
 def test_no_more_is_asked_for_than_comfort_gives_unless_an_obstacle_is_too_near_for_that() -> None:

@@ -22,7 +22,6 @@ class BrakingConfig:
     emergency_mps2: float = setting("deceleration before an obstacle that is too near for comfort", gt=0.0)
     reaction_s: float = setting("until brake or steering takes effect", ge=0.0)
     standoff_m: float = setting("kept when stopping", gt=0.0)
-    closest_standoff_m: float = setting("kept when creeping up to an obstacle", gt=0.0)
     cautious_mps: float = setting("least speed where little is seen or an obstacle is tentative", gt=0.0)
     rise_mps2: float = setting("acceleration of the speed reference", gt=0.0)
 
@@ -178,12 +177,6 @@ class CorrectionConfig:
 
 
 @settings
-class CreepConfig:
-    standing_s: float = setting("at standstill, before each of two stages", gt=0.0)
-    speed_mps: float = setting("of creeping", gt=0.0)
-
-
-@settings
 class SpeedConfig:
     """Limits of the speed by what is ahead."""
 
@@ -194,7 +187,6 @@ class SpeedConfig:
     bend_mps2: float | None = setting("Largest lateral acceleration in bends.", default=None, gt=0.0)
     turned_m: float | None = setting("Shifts before obstacles; a turned car is so much wider.", default=None, ge=0.0)
     firm_mps2: float | None = setting("Brakes in comfort up to this deceleration.", default=None, gt=0.0)
-    creep: CreepConfig | None = setting("Creeps up to what blocks the way after a stand.", default=None)
 
 
 @settings

@@ -18,10 +18,10 @@ from vpf_sim.planning.lane.frame import Lane, locate, place
 from vpf_sim.planning.lane.kinematic_limits import rear_m
 from vpf_sim.planning.lane.recovery_candidates import STEP_M, Blockers, Candidates, candidates, separation
 from vpf_sim.planning.lane.recovery_config import RecoveryConfig
-from vpf_sim.planning.lane.speed.creep import STANDING_MPS
 from vpf_sim.types import DriverSetup, Floats, Observation, Obstacles, Reference, RoadEdges
 
 COARSE = 8  # steps
+STANDING_MPS = 0.1
 STRAIGHT_RAD = 0.02  # wheels that turn by less do not slow the car
 
 

@@ -9,27 +9,25 @@ from vpf_sim.planning.lane.config import LanePlannerConfig, SpeedConfig
 from vpf_sim.planning.lane.frame import Lane
 from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
-from vpf_sim.planning.lane.speed.creep import Creep
 from vpf_sim.types import Bools, DriverSetup, Floats
 
 SHORTEST_M = 0.1  # of a stop: the error of a face
 
 
 class SpeedLimits:
-    """The speed reference, with the memory of the last one and of creeping."""
+    """The speed reference, with the memory of the last one."""
 
     def __init__(
         self, config: SpeedConfig, planner: LanePlannerConfig, setup: DriverSetup, kinematics: KinematicLimits
     ) -> None:
-        self._config, self._planner, self._setup, self._kinematics = config, planner, setup, kinematics
+        self._config, self._setup, self._kinematics = config, setup, kinematics
         self._clearance, self._braking = planner.clearance, planner.braking
         self._walking_mps, self._dt_s = planner.limits.walking_mps, 1.0 / setup.rate_hz
         self.restart(setup.speed_reference_mps)
 
     def restart(self, speed_mps: float) -> None:
         """Restart at a speed."""
-        self._wanted_mps, creep = speed_mps, self._config.creep
-        self._creep = None if creep is None else Creep(creep.standing_s, self._planner, self._setup)
+        self._wanted_mps = speed_mps
 
     def update(self, lane: Lane, geometry: ObstacleGeometry, minimum_m: float, speed_mps: float) -> float:
         """m/s after one step of 1 / rate_hz; it falls at once and rises gently."""
@@ -46,15 +44,11 @@ class SpeedLimits:
             limit = min(limit, sqrt(config.bend_mps2 / bend))
         if not len(geometry):
             return limit
-        way, nearest = geometry.way_m, inf if self._creep is None else self._creep.nearest(speed_mps)
-        gap = -geometry.overlap(minimum_m, 0.0)
-        counts = (geometry.present | geometry.moves) & (way > 0.0)
+        counts = (geometry.present | geometry.moves) & (geometry.way_m > 0.0)
         if not counts.any():
             return limit
-        limits = self._before_each(lane, geometry, minimum_m, speed_mps, gap)
-        creep_mps = 0.0 if config.creep is None else config.creep.speed_mps
-        creep = np.where((way > nearest) & ~geometry.moves, creep_mps, 0.0)
-        return float(np.maximum(limits, creep).min(where=counts, initial=limit))
+        limits = self._before_each(lane, geometry, minimum_m, speed_mps, -geometry.overlap(minimum_m, 0.0))
+        return float(np.maximum(limits, 0.0).min(where=counts, initial=limit))
 
     def _before_each(
         self,
