@@ -56,6 +56,7 @@ class ObstacleConfig:
     length_m: float = setting("length of an obstacle, at least: its rear is not seen", gt=0.0)
     long_m: float = setting("length of a truck, or of a moving obstacle, at least", gt=0.0)
     truck_width_m: float = setting("an obstacle that is wider may be a truck", gt=0.0)
+    row_depth_m: float = setting("obstacles whose faces are nearer along the road are met together", gt=0.0)
     row_gap_m: float = setting("a face so far behind the rear of another obstacle is in its row", ge=0.0)
     slower_mps: float = setting("an obstacle is overtaken that is slower than the reference speed by more", ge=0.0)
     beside_m: float = setting("others are avoided only where the way to them is shorter", ge=0.0)
@@ -177,6 +178,14 @@ class CorrectionConfig:
 
 
 @settings
+class LookConfig:
+    gap_m: float = setting("a gap so wide is not closed by one more obstacle", gt=0.0)
+    beside_m: float = setting("from the car, what stands bounds the gap", gt=0.0)
+    ahead_m: float = setting("way before the row", gt=0.0)
+    speed_mps: float = setting("speed there", gt=0.0)
+
+
+@settings
 class SpeedConfig:
     """Limits of the speed by what is ahead."""
 
@@ -186,6 +195,7 @@ class SpeedConfig:
     fall_back_mps: float = setting("by which a too near moving obstacle is let go ahead", gt=0.0)
     bend_mps2: float | None = setting("Largest lateral acceleration in bends.", default=None, gt=0.0)
     turned_m: float | None = setting("Shifts before obstacles; a turned car is so much wider.", default=None, ge=0.0)
+    look: LookConfig | None = setting("Slows before a gap that one more obstacle would close.", default=None)
     firm_mps2: float | None = setting("Brakes in comfort up to this deceleration.", default=None, gt=0.0)
 
 

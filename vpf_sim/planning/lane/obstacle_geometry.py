@@ -118,6 +118,24 @@ class ObstacleGeometry:
         least, most = min(least, y_m), max(most, y_m)  # the path is not pushed away: the cost does that
         return min(max(minimum_m, least), most)
 
+    def beside(self, some: Bools) -> Bools:
+        """(K,) which obstacles ahead are in a row with some (K,) of them."""
+        beside: Bools = np.any(self.in_row & some, axis=1)
+        return beside
+
+    def gaps(self, lane: Lane, y_m: float, beside_m: float) -> Floats:
+        """(K,) m, width of the gap at y between the edges and the obstacles met with each one.
+
+        inf for an obstacle that is not ahead within `beside_m` of the car's side.
+        """
+        stands = self.stands & (self.way_m > 0.0)
+        row = stands & (np.abs(self.way_m - self.way_m[:, None]) < self._config.row_depth_m)
+        beyond = self.obstacles.middle_m > y_m
+        right = np.where(row & beyond, self.obstacles.left_m, lane.right_m).min(axis=1, initial=lane.right_m)
+        left = np.where(row & ~beyond, self.obstacles.right_m, lane.left_m).max(axis=1, initial=lane.left_m)
+        bounds = stands & (self.overlap(y_m, beside_m) > 0.0)
+        return np.where(bounds, right - left, np.inf)
+
     def _same_row(self) -> Bools:
         """(K, K) which obstacles are in one row: the face of one not far behind the rear of the other.
 

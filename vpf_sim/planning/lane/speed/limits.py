@@ -5,7 +5,7 @@ from math import inf, sqrt, tan
 import numpy as np
 
 from vpf_sim.braking import comfortable_speed, hard_excess
-from vpf_sim.planning.lane.config import LanePlannerConfig, SpeedConfig
+from vpf_sim.planning.lane.config import LanePlannerConfig, LookConfig, SpeedConfig
 from vpf_sim.planning.lane.frame import Lane
 from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
@@ -47,6 +47,9 @@ class SpeedLimits:
         counts = (geometry.present | geometry.moves) & (geometry.way_m > 0.0)
         if not counts.any():
             return limit
+        if config.look is not None:
+            slower = self._looking(config.look, lane, geometry, minimum_m)
+            limit = min(limit, max(slower, -inf if config.firm_mps2 is None else comfortable_speed(speed_mps)))
         limits = self._before_each(lane, geometry, minimum_m, speed_mps, -geometry.overlap(minimum_m, 0.0))
         return float(np.maximum(limits, 0.0).min(where=counts, initial=limit))
 
@@ -102,6 +105,13 @@ class SpeedLimits:
         turns = braked(speed_mps, closing, way - self._config.turn_m, *decelerations)
         stops = braked(speed_mps, closing, way - self._config.near_m, *decelerations)
         return np.where(shut & (turns > -inf) & (turns < ease), turns, np.maximum(limits_mps, stops))
+
+    def _looking(self, config: LookConfig, lane: Lane, geometry: ObstacleGeometry, minimum_m: float) -> float:
+        """m/s before a row with a gap that one more obstacle would close: a stop leaves the way for a turn."""
+        gap = geometry.gaps(lane, minimum_m, config.beside_m)
+        narrow = geometry.beside((gap > 0.0) & (gap < config.gap_m)) & (geometry.way_m > self._config.turn_m)
+        nearest = float(geometry.way_m.min(where=narrow, initial=inf))
+        return sqrt(config.speed_mps**2 + 2.0 * self._braking.comfort_mps2 * max(nearest - config.ahead_m, 0.0))
 
     def _before(
         self, turned_m: float, lane: Lane, geometry: ObstacleGeometry, minimum_m: float, gap_m: Floats
