@@ -43,11 +43,6 @@ class MeetConfig:
 
 
 @settings
-class CornerSwingConfig:
-    pass
-
-
-@settings
 class ObstacleConfig:
     """Which obstacles count, and how they lie to each other."""
 
@@ -63,8 +58,6 @@ class ObstacleConfig:
     parts: PartsConfig | None = setting("Merges what lies behind a face into one longer obstacle.", default=None)
     meet: MeetConfig | None = setting("Leaves moving obstacles alone until they are met soon.", default=None)
     catch_up_s: float | None = setting("Faster obstacles behind that come up in this time count.", default=None, gt=0.0)
-    passage_m: float | None = setting("Obstacles nearer than this bound the path like edges.", default=None, gt=0.0)
-    corner_swing: CornerSwingConfig | None = setting("Keeps the car's side off an obstacle beside it.", default=None)
     keep_aside_m: float | None = setting("Moving obstacles nearer than this keep the path off.", default=None, gt=0.0)
 
 

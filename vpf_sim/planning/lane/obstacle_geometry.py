@@ -1,7 +1,6 @@
 """Geometry of the obstacles of one step: the way to each, the gaps beside it, and whether it counts."""
 
-from dataclasses import replace
-from math import inf, sqrt
+from math import inf
 
 import numpy as np
 
@@ -53,53 +52,6 @@ class ObstacleGeometry:
         if goal_m >= y_m:
             return np.where(goal_m > least, most - y_m, 0.0)
         return np.where(goal_m < most, y_m - least, 0.0)
-
-    def between(self, lane: Lane, path_m: float) -> Lane:
-        """The lane between the obstacles that the car passes, instead of between the road's edges.
-
-        An obstacle that is passed next counts, too, unless the car or its path, now at `path_m`, leads into it: a car
-        that turns towards it reaches it with a corner first.
-        """
-        if self._config.passage_m is None:
-            return lane
-        passing = (self.way_m < self._config.passage_m) & (
-            self.obstacles.along_m + self.length_m > -self._half_length_m
-        )
-        if not passing.any():
-            return lane
-        left_m, right_m = self.obstacles.left_m, self.obstacles.right_m
-        abreast = self.way_m < 0.0
-        least = np.where(abreast, lane.y_m, min(lane.y_m, path_m) - self._half_width_m)
-        most = np.where(abreast, lane.y_m, max(lane.y_m, path_m) + self._half_width_m)
-        right = left_m.min(where=passing & (left_m > most), initial=lane.right_m)
-        left = right_m.max(where=passing & (right_m < least), initial=lane.left_m)
-        return replace(lane, right_m=float(right), left_m=float(left))
-
-    def flanks(self, path_m: float, slope: float) -> tuple[float, float]:
-        """Largest slopes of the path to the left and right with which no side of the car swings into an obstacle.
-
-        The path of the rear axle is at `path_m` with `slope`. Ahead of that axle a side swings the way the car turns:
-        to a corner at (x, y) from there, the side of a car with half the width b, turned by a, has the gap
-        y - x tan a - b / cos a across the road. It keeps the least clearance, or what is left of it.
-        """
-        if self._config.corner_swing is None:
-            return inf, inf
-        ahead = self.obstacles.along_m + self._l_r_m  # x
-        abreast = (self.way_m < 0.0) & (ahead > 0.0)
-        if not abreast.any():
-            return inf, inf
-        reach, on_right = ahead[abreast], self.obstacles.middle_m[abreast] > path_m + slope * ahead[abreast]
-        right = self._swing(reach[on_right], self.obstacles.left_m[abreast][on_right] - path_m, slope)
-        left = self._swing(reach[~on_right], path_m - self.obstacles.right_m[abreast][~on_right], -slope)
-        return left, right
-
-    def _swing(self, ahead_m: Floats, aside_m: Floats, slope: float) -> float:
-        """Largest slope towards corners (K,) so far ahead of the rear axle and aside of its path."""
-        cosine = sqrt(1.0 - slope**2)
-        gap = aside_m - (ahead_m * slope + self._half_width_m) / cosine
-        room = aside_m - np.minimum(gap, self._clearance.least_m)
-        turned = np.arccos(np.minimum(self._half_width_m / np.hypot(room, ahead_m), 1.0)) - np.arctan2(ahead_m, room)
-        return float(np.sin(turned).min(initial=inf))
 
     def kept_beside(self, y_m: float, minimum_m: float) -> float:
         """The minimum, no nearer to moving obstacles that a path at y passes than the clearance wanted.

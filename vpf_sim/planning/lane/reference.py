@@ -56,16 +56,14 @@ class LaneReference:
         rear = rear_m(lane, self._vehicle)
         if self._path is None:
             self._path = LateralPath(config, self._kinematics, rear, config.shift_s * self._speed_reference_mps)
-        between, time_s, flanks = lane, np.inf, (np.inf, np.inf)
+        time_s = np.inf
         if len(geometry):
-            between = geometry.between(lane, self._path.y_m)
-            flanks = geometry.flanks(self._path.y_m, self._path.slope)
             time_s = self._time_left(config, geometry, self._path.y_m, speed_mps)
             minimum_m = geometry.kept_beside(self._path.y_m, minimum_m)
-        self._path.advance(between, minimum_m, time_s, speed_mps, speed_mps * self._dt_s, flanks)
+        self._path.advance(lane, minimum_m, time_s, speed_mps, speed_mps * self._dt_s)
         self._path.hold(rear)
         self.y_m = self._path.y_m
-        heading, rate = self._heading(lane, flanks, self._path, yaw_rad, speed_mps)
+        heading, rate = self._heading(lane, self._path, yaw_rad, speed_mps)
         return Reference(heading, wanted, rate)
 
     def _time_left(self, config: PathConfig, geometry: ObstacleGeometry, y_m: float, speed_mps: float) -> float:
@@ -90,12 +88,9 @@ class LaneReference:
         most = min(config.speed_mps, self._config.limits.ratio * speed_mps)
         return min(max(pull, -most), most) / max(speed_mps, 1.0)
 
-    def _heading(
-        self, lane: Lane, flanks: tuple[float, float], path: LateralPath, yaw_rad: float, speed_mps: float
-    ) -> tuple[float, float]:
+    def _heading(self, lane: Lane, path: LateralPath, yaw_rad: float, speed_mps: float) -> tuple[float, float]:
         """psi_d rad and its rate rad/s."""
         left, right = self._kinematics.between(lane, speed_mps)
-        left, right = max(left, -flanks[1]), max(right, -flanks[0])
         pull = self._pull(path.y_m - rear_m(lane, self._vehicle), speed_mps)
         ratio = min(max(pull, -left - path.slope), right - path.slope)
         course = yaw_rad + lane.heading_rad + asin(min(max(ratio, -1.0), 1.0))
