@@ -19,10 +19,10 @@ from lane_planner import (
 )
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
-from vpf_sim.planning.lane.frame import NOTHING, Lane, LaneObstacles, locate, place
+from vpf_sim.planning.lane.frame import NOTHING, Lane, LaneObstacles
 from vpf_sim.planning.lane.lateral_cost import LateralCost
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
-from vpf_sim.types import Command, Obstacles, RoadEdges
+from vpf_sim.types import Command
 
 LANE = straight_lane()
 
@@ -144,31 +144,6 @@ def test_near_an_edge_the_car_turns_no_more_than_its_corners_allow() -> None:
             0.5 * hypot(CAR.length_m, CAR.width_m) * np.sin(np.arcsin(right) + np.arctan(CAR.width_m / CAR.length_m))
         )
         assert corner < 0.5 * CAR.width_m + gap
-
-
-def seen(*rows: tuple[float, float, float, int]) -> LaneObstacles:
-    """What the lane has of obstacles by face, left, right, identity."""
-    forward, left, right, identity = np.array(rows).T
-    unknown = np.full(len(rows), 0.1)
-    road = RoadEdges(-8.75, 5.25, 0.0, 0.0, 0.02, 1.0, 0.0, 3.5)
-    return place(
-        Obstacles(forward, left, right, unknown, unknown, identity.astype(np.int64)),
-        locate(road),
-        ROBUST.obstacles.parts,
-    )
-
-
-def test_a_part_of_an_obstacle_is_no_obstacle_of_its_own() -> None:
-    """An edge low on its side, or points that fell away from its others; not what stands beside or far behind it."""
-    car = (10.0, 0.0, 2.0, 1)
-    assert len(seen(car, (14.0, -0.2, 0.4, 2))) == 1
-    assert len(seen(car, (13.0, -0.5, 0.1, 1))) == 1
-    assert len(seen(car, (13.0, -1.5, 0.1, 1))) == 2
-    assert len(seen(car, (13.0, -0.5, 0.1, 2))) == 2
-    assert len(seen(car, (10.3, 0.2, 0.8, 2))) == 2
-    assert len(seen(car, (20.0, 0.2, 0.8, 2))) == 2
-    assert seen((14.0, -0.2, 0.4, 2), car).along_m.tolist() == [10.0]
-    assert len(seen((10.0, 0.3, 1.5, 1), (15.5, 0.0, 1.8, 2))) == 2, "a car behind a pallet"
 
 
 def test_where_no_place_is_free_it_keeps_clear_of_what_is_too_near_for_a_stop() -> None:

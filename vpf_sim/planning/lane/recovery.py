@@ -97,7 +97,7 @@ class Recovery:
         """Search for a manoeuvre from here; before a moving obstacle the car waits."""
         if np.any((obstacles.speed_mps > 0.0) & (obstacles.forward_m < self._config.ahead_m)):
             return
-        near = place(obstacles, lane, self._obstacles.parts)
+        near = place(obstacles, lane)
         near = near.chosen(near.along_m < self._config.ahead_m)
         per_m = self._config.steering_radps / self._config.steering_mps
         for lock in self._config.candidates.locks:

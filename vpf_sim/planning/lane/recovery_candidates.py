@@ -137,8 +137,8 @@ def separation(
 ) -> tuple[Floats, Floats]:
     """(N, T) m between the car and the nearest obstacle, and (N,) between the car and the edges.
 
-    Rectangles are apart by the largest gap along any of their sides' directions; an obstacle is `length_m` long at
-    least. A candidate is checked until `beyond_m` past its end, at each of `every` steps.
+    Rectangles are apart by the largest gap along any of their sides' directions; an obstacle is `length_m`
+    long. A candidate is checked until `beyond_m` past its end, at each of `every` steps.
     """
     look = slice(None, None, every)
     cosine, sine = np.cos(candidates.turned_rad[:, look]), np.sin(candidates.turned_rad[:, look])
@@ -148,9 +148,9 @@ def separation(
     past = np.arange(candidates.along_m.shape[1])[None, look] - candidates.end[:, None]
     edges = np.minimum(y - aside - lane.left_m, lane.right_m - y - aside)
     apart, counts = np.full(along.shape, np.inf), past <= round(beyond_m / STEP_M)
-    sizes = (obstacles.along_m, obstacles.left_m, obstacles.right_m, np.maximum(obstacles.length_m, length_m))
-    for face, left, right, length in zip(*sizes, strict=True):
-        long, wide = 0.5 * length, 0.5 * (right - left)
+    sizes, long = (obstacles.along_m, obstacles.left_m, obstacles.right_m), 0.5 * length_m
+    for face, left, right in zip(*sizes, strict=True):
+        wide = 0.5 * (right - left)
         forward, across = face + long - along, left + wide - y
         own_forward, own_across = cosine * forward + sine * across, cosine * across - sine * forward
         own_long, own_wide = long * cosine + wide * np.abs(sine), long * np.abs(sine) + wide * cosine
