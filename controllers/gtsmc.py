@@ -25,6 +25,7 @@ from math import atan, copysign, exp, inf, pi, sin, tan
 from typing import Literal
 
 from vpf_sim import configuration
+from vpf_sim.braking import hard_excess
 from vpf_sim.configuration import setting, settings
 from vpf_sim.controllers.change_limit import ChangeLimit
 from vpf_sim.controllers.super_twisting import SuperTwisting
@@ -36,7 +37,6 @@ STANDSTILL_MPS = 0.1
 SLOWEST_MPS = 2.0  # lowest speed for the reaching condition: less speed means less authority
 RECOVERY_MPS2 = 1.5  # rise of the speed limit once the condition holds again
 DEMAND_FILTER_HZ = 2.0
-HARD_BRAKING_SHARE, HARD_BRAKING_MIN_MPS = 0.7, 1.2  # excess speed for hard braking: of the speed, and at least
 MIN_LAYER_SHARE = 0.15  # least share of the boundary layer: a narrower one amplifies sensor noise
 MAX_RAD, MAX_RADPS, MAX_MPS = 1e6, 1e3, 1e3  # input limits, so that filters and derivatives stay finite
 
@@ -272,8 +272,7 @@ class Gtsmc:
         """Share of full braking, 0 to 1, for a large excess speed, as for an obstacle detected late."""
         if self._gains.hard_braking_error_mps == 0.0:
             return 0.0
-        hard_share = max(min(self._gains.hard_braking_error_mps, HARD_BRAKING_SHARE * speed_mps), HARD_BRAKING_MIN_MPS)
-        return min(max(s_l - hard_share, 0.0), 1.0)
+        return min(max(s_l - hard_excess(speed_mps, self._gains.hard_braking_error_mps), 0.0), 1.0)
 
     def _accelerate(self, speed_mps: float, reference_mps: float) -> float:
         """The acceleration, m/s^2, within the vehicle's limits."""

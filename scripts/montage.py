@@ -1,4 +1,4 @@
-"""Draw the README's image: frames, the driver's perception, and its potential field.
+"""Draw the README's image: frames, the driver's perception, and its lateral cost.
 
 python scripts/montage.py docs/pictures/montage.jpg
 """
@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from vpf_sim.evaluation.episode import episode
-from vpf_sim.report import field_view, overlay
+from vpf_sim.report import cost_view, overlay
 from vpf_sim.report.pictures import jpeg, sheet
 from vpf_sim.types import Camera, Image, Plan
 
@@ -46,9 +46,9 @@ def main() -> None:
         straight[0],
         overlay.draw(*bend, camera),
         overlay.draw(*far, camera),
-        field_view.draw(far[1]),
+        cost_view.draw(far[1]),
         overlay.draw(*near, camera),
-        field_view.draw(near[1]),
+        cost_view.draw(near[1]),
     ]
     target = Path(sys.argv[1])
     target.parent.mkdir(parents=True, exist_ok=True)

@@ -16,6 +16,7 @@ LEAVES = {
     "types",
     "geometry",
     "errors",
+    "braking",
     "seeding",
     "configuration",
     "configuration_faults",

@@ -79,13 +79,13 @@ def is_list(hint: Any) -> bool:
     return any(get_origin(one) is tuple for one in (hint, *get_args(hint)))
 
 
-def switches(config: Any) -> Iterator[tuple[tuple[str, ...], str]]:
-    """The path and the meaning of each setting or section that may be None, at any depth; outer ones first."""
+def optional_settings(config: Any) -> Iterator[tuple[tuple[str, ...], str]]:
+    """The path and the meaning of each section and value that may be None, at any depth; outer ones first."""
     for setting in settings_of(config):
         if NoneType in get_args(setting.hint):
             yield (setting.key,), setting.meaning
         for section in [] if is_list(setting.hint) else sections(setting.hint):
-            yield from (((setting.key, *path), meaning) for path, meaning in switches(section))
+            yield from (((setting.key, *path), meaning) for path, meaning in optional_settings(section))
 
 
 def _bounds(hint: Any, constraints: Iterable[Any]) -> str:

@@ -368,7 +368,7 @@ class Perception:
 
 @dataclass(frozen=True, slots=True)
 class Force:
-    """The visual potential field's forces at the vehicle, in vehicle axes: (2,) each, X forward, Y right."""
+    """Forces of fields or lateral cost at the vehicle, in vehicle axes: (2,) each, X forward, Y right."""
 
     target: Floats
     obstacle: Floats
@@ -397,5 +397,5 @@ class Plan:
     perception: Perception
     force: Force
     reference: Reference
-    extra: PlanDetails | None = None  # LanePlan or PaperPlan; None of a reference without a potential field
+    extra: PlanDetails | None = None  # LanePlan or PaperPlan; None of another planner
     reaching: bool | None = None  # whether the reaching condition of the controller holds; None: not yet controlled

@@ -36,7 +36,7 @@ RANDOM_SCENARIO = "schema = 1\n[random]\nlength_m = [200.0, 250.0]\nrows = [1, 3
 VARIANT = (
     'base = "robust"\n[flow]\npoints = 200\nwindow_px = 11\n'
     "[lane_planner.lateral_cost]\nreach_m = 10.0\nspacing_m = 0.1\n"
-    "[lane_planner.reference.path]\nspeed_mps = 1.5\n"
+    "[lane_planner.path]\nspeed_mps = 1.5\n"
 )
 
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from bicycle import Bicycle
 
+from vpf_sim.braking import comfortable_speed
 from vpf_sim.controllers.change_limit import ChangeLimit
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.evaluation.metrics.comfort import BOUNDS, nuplan_signals
-from vpf_sim.planning.lane.speed.limits import eased
 from vpf_sim.types import Floats, Reference, VehicleModel
 
 RATE_HZ = 60.0
@@ -39,7 +39,7 @@ def test_alternating_throttle_and_brake_stays_within_nuplan_bounds(name: str, br
     """At the strongest comfort braking of the gains."""
     car, control, rows = Bicycle(speed_mps=3.0), Gtsmc(load_gains(name), VehicleModel(), RATE_HZ), []
     while car.time_s < 4.0 + braking_s:
-        wanted = max(eased(car.speed_mps), 0.0) if 1.0 <= car.time_s < 1.0 + braking_s else 9.0
+        wanted = max(comfortable_speed(car.speed_mps), 0.0) if 1.0 <= car.time_s < 1.0 + braking_s else 9.0
         car.step(control.command(car.observe(), Reference(0.0, wanted, 0.0)))
         rows.append((car.time_s, car.speed_mps, car.yaw_rad, car.yaw_rate_radps))
     signals = nuplan_signals(*np.array(rows).T)

@@ -76,7 +76,7 @@ def test_naming_the_drivers_loads_none_of_them() -> None:
 
 
 @pytest.mark.parametrize("name", ["vpf", "vpf-paper", "vpf-literal"])
-def test_a_field_driver_survives_a_frame_without_any_texture(name: str) -> None:
+def test_a_vision_driver_survives_a_frame_without_any_texture(name: str) -> None:
     driver = drivers.create(name)
     driver.reset(setup())
     assert driver.trace() is None  # type: ignore[attr-defined]

@@ -13,7 +13,7 @@ from vpf_sim.drivers import command_of, trace_of
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.geometry import rotation, wrap_angle
-from vpf_sim.planning.lane.plan import LanePlan
+from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.types import DriverSetup, Floats, Observation, Plan
 
 FRAMES = 60
@@ -115,7 +115,7 @@ def test_the_mirror_image_is_seen_and_planned_the_other_way(drive: Drive, tmp_pa
     assert seen.perception.road.curvature_per_m == pytest.approx(-plan.perception.road.curvature_per_m, abs=1e-3)
     assert isinstance(seen.extra, LanePlan)
     assert isinstance(plan.extra, LanePlan)
-    assert seen.extra.potential.minimum_m == pytest.approx(-plan.extra.potential.minimum_m, abs=0.15)
-    assert plan.extra.potential.minimum_m < -0.5
+    assert seen.extra.cost.minimum_m == pytest.approx(-plan.extra.cost.minimum_m, abs=0.15)
+    assert plan.extra.cost.minimum_m < -0.5
     assert here[-1, 1] < -0.1
     assert there[-1, 1] > 0.1

@@ -12,7 +12,7 @@ from vpf_sim.drivers.perceiver import Perceiver
 from vpf_sim.geometry import project, rotation, vehicle_from_world, wrap_angle
 from vpf_sim.perception.paper import obstacle_map as obstacles
 from vpf_sim.planning import variant
-from vpf_sim.planning.lane.plan import LanePlan
+from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.planning.planner import create_planner
 from vpf_sim.planning.variant import Variant
 from vpf_sim.seeding import stream
@@ -186,7 +186,7 @@ def test_the_body_is_found_and_passed_on_its_left(robust_steps: list[tuple[Plan,
     gone = SPEED_MPS * (FRAMES - 1) / RATE_HZ
     assert obstacles.forward_m[0] == pytest.approx(20.0 - gone, abs=1.5)
     assert isinstance(plan.extra, LanePlan)
-    assert plan.extra.potential.minimum_m < -0.4 - 0.95
+    assert plan.extra.cost.minimum_m < -0.4 - 0.95
     assert plan.perception.expansion.x_px == pytest.approx(319.5 - 320.0 * np.tan(radians(1.0)), abs=1.5)
 
 

@@ -64,9 +64,9 @@ def test_any_of_a_thousand_scenes_gives_a_command(drive: scenes.Drive) -> None:
 def test_a_speed_that_jumps_leaves_the_path_a_direction(rate_hz: float, aside_m: float) -> None:
     """As one that is derived from the flow does: the bend of walking speed is met by a step of many metres."""
     config = scenes.load("robust").lane_planner
-    reach = KinematicLimits(config.limits, scenes.VEHICLE)
-    path = LaneReference(config.reference, config.clearance, scenes.VEHICLE, 8.0, rate_hz, reach)
-    nobody = ObstacleGeometry(NOTHING, config.obstacles, config.clearance, scenes.VEHICLE, 8.0)
+    setup = DriverSetup(scenes.CAMERA, scenes.VEHICLE, rate_hz, 8.0, (50.0, 0.0), 0)
+    path = LaneReference(config, setup, KinematicLimits(config, scenes.VEHICLE))
+    nobody = ObstacleGeometry(NOTHING, config, setup)
     lane = Lane(y_m=0.0, right_m=6.0, left_m=-6.0, heading_rad=0.0, curvature_per_m=0.0)
     for speed_mps in [1.2, 1.2, 57.0, 1.2, 1.2, 1.2, 57.0, 57.0, 0.0, 57.0]:
         reference = path.update(lane, nobody, aside_m, 0.0, speed_mps)

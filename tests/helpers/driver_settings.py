@@ -50,8 +50,8 @@ def section_of(config: Any, path: str) -> Any:
 
 
 def optional_sections(config: Any) -> Iterator[str]:
-    """The dotted paths of the settings that may be None and are not, also of those in other sections."""
-    paths = (".".join(path) for path, _ in configuration_fields.switches(type(config)))
+    """The dotted paths of the sections and values that may be None and are not, at any depth."""
+    paths = (".".join(path) for path, _ in configuration_fields.optional_settings(type(config)))
     return (path for path in paths if section_of(config, path) is not None)
 
 

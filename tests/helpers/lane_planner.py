@@ -11,36 +11,40 @@ from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.recovery import Recovery
 from vpf_sim.planning.lane.reference import LaneReference
 from vpf_sim.planning.lane.speed.limits import SpeedLimits
-from vpf_sim.types import VehicleModel
+from vpf_sim.types import Camera, DriverSetup, VehicleModel
 
 CAR, SPEED_MPS, RATE_HZ = VehicleModel(), 5.55, 60.0
 HALF_M, BUMPER_M = 0.5 * CAR.width_m, 0.5 * CAR.length_m
 
 
-ROBUST = unwrap(driver_settings.ROBUST.lane_planner)
-CLEARANCE = ROBUST.clearance
-SPEED, PATH, RECOVERY = unwrap(ROBUST.reference.speed), unwrap(ROBUST.reference.path), unwrap(ROBUST.recovery)
-LIMITS = KinematicLimits(ROBUST.limits, CAR)
+def driver_setup(speed_mps: float = SPEED_MPS, rate_hz: float = RATE_HZ) -> DriverSetup:
+    return DriverSetup(Camera(), CAR, rate_hz, speed_mps, (1e3, 0.0), 0)
 
 
-def geometry(obstacles: LaneObstacles, speed_mps: float = SPEED_MPS) -> ObstacleGeometry:
-    return ObstacleGeometry(obstacles, ROBUST.obstacles, CLEARANCE, CAR, speed_mps)
+ROBUST, SETUP = unwrap(driver_settings.ROBUST.lane_planner), driver_setup()
+CLEARANCE, BRAKING = ROBUST.clearance, ROBUST.braking
+SPEED, PATH, RECOVERY = unwrap(ROBUST.speed), unwrap(ROBUST.path), unwrap(ROBUST.recovery)
+LIMITS = KinematicLimits(ROBUST, CAR)
+
+
+def geometry(obstacles: LaneObstacles) -> ObstacleGeometry:
+    return ObstacleGeometry(obstacles, ROBUST, SETUP)
 
 
 def lateral_cost(last_m: float | None = None) -> LateralCost:
     """With a minimum that was chosen before, if any."""
-    cost = LateralCost(ROBUST.lateral_cost, CLEARANCE, CAR, SPEED_MPS, LIMITS)
+    cost = LateralCost(ROBUST, SETUP, LIMITS)
     if last_m is not None:
         cost.keep(last_m)
     return cost
 
 
 def lane_reference(speed_mps: float = SPEED_MPS, rate_hz: float = RATE_HZ) -> LaneReference:
-    return LaneReference(ROBUST.reference, CLEARANCE, CAR, speed_mps, rate_hz, LIMITS)
+    return LaneReference(ROBUST, driver_setup(speed_mps, rate_hz), LIMITS)
 
 
 def speed_limits() -> SpeedLimits:
-    return SpeedLimits(ROBUST.reference, CLEARANCE, SPEED_MPS, RATE_HZ, LIMITS)
+    return SpeedLimits(SPEED, ROBUST, SETUP, LIMITS)
 
 
 def lateral_path(y_m: float, shift_m: float) -> LateralPath:
@@ -48,7 +52,7 @@ def lateral_path(y_m: float, shift_m: float) -> LateralPath:
 
 
 def recovery() -> Recovery:
-    return Recovery(RECOVERY, CLEARANCE.edge_m, ROBUST.obstacles, CAR, RATE_HZ)
+    return Recovery(RECOVERY, ROBUST, SETUP)
 
 
 def straight_lane(y_m: float = 0.0, left_m: float = -8.75, right_m: float = 5.25) -> Lane:

@@ -7,7 +7,7 @@ import pytest
 from driver_settings import ROBUST, optional_sections, section_of
 from road_picture import RoadPicture
 
-from vpf_sim.drivers import FieldDriver
+from vpf_sim.drivers import VisionDriver
 from vpf_sim.planning.variant import load
 from vpf_sim.types import Camera, DriverSetup, Observation, VehicleModel
 
@@ -26,7 +26,7 @@ def test_a_driver_without_one_mechanism_drives(switch: str, tmp_path: Path) -> N
     file = tmp_path / "without.toml"
     file.write_text(f'[{".".join(path)}]\n{key} = "none"\n')
     assert section_of(load(str(file)), switch) is None
-    picture, driver = RoadPicture(Camera(), 0.01), FieldDriver(str(file))
+    picture, driver = RoadPicture(Camera(), 0.01), VisionDriver(str(file))
     driver.reset(DriverSetup(Camera(), VehicleModel(), RATE_HZ, SPEED_MPS, (200.0, 0.0), 1))
     for i in range(FRAMES):
         pose = picture.pose(i * SPEED_MPS / RATE_HZ, 1.75, 0.0)

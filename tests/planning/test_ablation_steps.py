@@ -80,7 +80,7 @@ def test_a_variant_of_ones_own_says_what_it_starts_from_and_what_it_changes(tmp_
     assert own.lane_planner is not None
     assert robust.lane_planner is not None
     assert own.lane_planner.clearance.wanted_m == 0.7
-    assert own.lane_planner.reference == robust.lane_planner.reference
+    assert own.lane_planner.path == robust.lane_planner.path
     assert own.flow == robust.flow
     assert variant.load(written(tmp_path, 'base = "lane_planner"')) == variant.load("lane_planner")
     assert drivers.create(f"vpf@{tmp_path / 'mine.toml'}").privileged == "none"

@@ -16,7 +16,7 @@ ENTITIES = {
     "/camera/flow",
     "/camera/foe",
     "/camera/obstacle_map",
-    "/field",
+    "/cost",
     "/scene/obstacles",
     "/scene/edges",
     "/scene/ego",
@@ -54,7 +54,7 @@ def test_a_driver_without_a_plan_leaves_frames_and_signals(short: str, tmp_path:
     assert drive(short, "pid", "drive.rrd") == 0
     found = entities(tmp_path / "drive.rrd", tmp_path)
     assert found >= {"/camera", "/signals/throttle", "/trajectory"}
-    assert not found & {"/camera/flow", "/scene/ego", "/field"}
+    assert not found & {"/camera/flow", "/scene/ego", "/cost"}
 
 
 def test_without_the_sdk_one_line_says_how_to_install_it(

@@ -5,18 +5,18 @@ Naming the drivers loads none of them: planners and controllers are imported whe
 
 from vpf_sim.drivers.idm import IdmDriver
 from vpf_sim.drivers.neutral import NeutralDriver
-from vpf_sim.drivers.potential_field import FieldDriver
 from vpf_sim.drivers.protocol import command_of, needs_next_frame, perception_of, trace_of, uses_images
-from vpf_sim.drivers.registry import FIELD, Description, create, describe, description, names
+from vpf_sim.drivers.registry import VARIANT_PREFIX, Description, create, describe, description, names
 from vpf_sim.drivers.route_followers import RouteDriver
+from vpf_sim.drivers.vision_driver import VisionDriver
 
 __all__ = [
-    "FIELD",
+    "VARIANT_PREFIX",
     "Description",
-    "FieldDriver",
     "IdmDriver",
     "NeutralDriver",
     "RouteDriver",
+    "VisionDriver",
     "command_of",
     "create",
     "describe",

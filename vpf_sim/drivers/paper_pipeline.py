@@ -38,7 +38,7 @@ class FrameTrackers:
 
 
 def paper_pipeline(setup: DriverSetup, variant: Variant, trackers: FrameTrackers) -> Pipeline[FrameState]:
-    """The stages from a frame to what the paper's fields need."""
+    """The stages from a frame to what the paper's planner needs."""
     common = CommonStages(setup, variant, trackers)
     stages = [
         *common.egomotion(),

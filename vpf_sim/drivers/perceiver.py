@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+from vpf_sim.braking import comfortable_speed
 from vpf_sim.drivers.frame_selection import FrameSelection
 from vpf_sim.drivers.frame_state import FrameState
 from vpf_sim.drivers.paper_pipeline import FrameTrackers, paper_pipeline
@@ -9,7 +10,6 @@ from vpf_sim.drivers.robust_pipeline import robust_pipeline
 from vpf_sim.perception.frame_gate import FrameGate
 from vpf_sim.perception.obstacles.prediction import predict, to_current_frame
 from vpf_sim.perception.schedule import Schedule
-from vpf_sim.planning.lane.speed.limits import eased
 from vpf_sim.planning.variant import Variant
 from vpf_sim.timing import timed
 from vpf_sim.types import DriverSetup, Floats, LowObstacleRange, Observation, Obstacles, Perception, Reference
@@ -67,7 +67,8 @@ class Perceiver:
         """The reference; after too long without a new frame, one that brakes to a stop."""
         if observation.time_s - self._last_s <= self._config.blind_s:
             return reference
-        return replace(reference, speed_mps=min(reference.speed_mps, max(eased(observation.speed_mps), 0.0)))
+        slower = max(comfortable_speed(observation.speed_mps), 0.0)
+        return replace(reference, speed_mps=min(reference.speed_mps, slower))
 
     def _process(self, taken: Observation, pose: Floats) -> Perception:
         """Run the pipeline on a frame."""

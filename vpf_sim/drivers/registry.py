@@ -1,4 +1,4 @@
-"""The drivers that are known by name, variants of the field, and users' own by "package.module:Class"."""
+"""The drivers that are known by name, variants of the vision driver, and users' own by "package.module:Class"."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -8,12 +8,12 @@ from typing import cast, get_args
 from vpf_sim import process_state
 from vpf_sim.drivers.idm import IdmDriver
 from vpf_sim.drivers.neutral import NeutralDriver
-from vpf_sim.drivers.potential_field import FieldDriver
 from vpf_sim.drivers.route_followers import RouteDriver
+from vpf_sim.drivers.vision_driver import VisionDriver
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.types import Driver, Privilege
 
-FIELD = "vpf@"  # before the name or file of a variant
+VARIANT_PREFIX = "vpf@"  # before the name or file of a variant
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,12 +33,16 @@ class _Entry:
 
 
 _REGISTRY: dict[str, _Entry] = {
-    "vpf": _Entry(lambda: FieldDriver("robust"), "none", "the potential field as we would drive it (variant robust)"),
+    "vpf": _Entry(
+        lambda: VisionDriver("robust"),
+        "none",
+        "tracked obstacles and road, lateral cost, sliding mode (variant robust)",
+    ),
     "vpf-paper": _Entry(
-        lambda: FieldDriver("paper"), "none", "the paper's field with the fewest repairs that make it run"
+        lambda: VisionDriver("paper"), "none", "the paper's method with the fewest repairs that make it run"
     ),
     "vpf-literal": _Entry(
-        lambda: FieldDriver("literal"), "none", "the paper's field as printed: a documented negative"
+        lambda: VisionDriver("literal"), "none", "the paper's method as printed: a documented negative"
     ),
     "pid": _Entry(
         lambda: RouteDriver("pid"), "route", "CARLA's waypoint PID, the paper's baseline; blind to obstacles"
@@ -49,8 +53,8 @@ _REGISTRY: dict[str, _Entry] = {
     "stanley": _Entry(
         lambda: RouteDriver("stanley"), "route", "steers by heading and cross-track error; blind to obstacles"
     ),
-    "idm": _Entry(IdmDriver, "world", "highway-env's own driver: IDM along the lane, MOBIL across; told all bodies"),
-    "neutral": _Entry(NeutralDriver, "none", "touches neither throttle nor steering"),
+    "idm": _Entry(IdmDriver, "world", "highway-env's own driver: IDM along the lane, MOBIL across; gets all objects"),
+    "neutral": _Entry(NeutralDriver, "none", "no throttle and no steering"),
 }
 
 
@@ -60,17 +64,17 @@ def names() -> list[str]:
 
 
 def describe() -> list[Description]:
-    """What each registered driver is and what it is told beyond its camera."""
+    """What each registered driver is and what it gets beyond its camera."""
     return [description(name) for name in _REGISTRY]
 
 
 def description(name: str) -> Description:
-    """What a driver of that name is: one of the registry, or the field in a variant of its own."""
-    if name.startswith(FIELD):
+    """What a driver of that name is: one of the registry, or the vision driver in a variant."""
+    if name.startswith(VARIANT_PREFIX):
         from vpf_sim.planning import variant
 
-        own, driver = name.removeprefix(FIELD), create(name)
-        return Description(name, driver.privileged, variant.summary(own) or f"the potential field, variant {own}")
+        own, driver = name.removeprefix(VARIANT_PREFIX), create(name)
+        return Description(name, driver.privileged, variant.summary(own) or f"the vision driver, variant {own}")
     if name not in _REGISTRY:
         raise unknown_name("driver", name, _REGISTRY)
     return Description(name, _REGISTRY[name].privileged, _REGISTRY[name].summary)
@@ -78,8 +82,8 @@ def description(name: str) -> Description:
 
 def create(name: str) -> Driver:
     """A new driver: a registered name, "vpf@VARIANT" (its name or file), or a user's own "package.module:Class"."""
-    if name.startswith(FIELD):
-        return FieldDriver(name.removeprefix(FIELD))
+    if name.startswith(VARIANT_PREFIX):
+        return VisionDriver(name.removeprefix(VARIANT_PREFIX))
     if ":" in name:
         return _load(name)
     if name not in _REGISTRY:

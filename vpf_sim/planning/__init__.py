@@ -1,7 +1,7 @@
-"""From what the camera tells to a reference heading and speed.
+"""From perception to a reference heading and speed.
 
-- planner: the pipeline, from a frame to a reference
+- planner: the planner of a variant
 - variant, variants: its configuration
-- paper: the potential fields in the picture, as printed and repaired
-- lane: the potential across the lane, its minimum, the path there, and the speed
+- paper: the potential fields, as printed and repaired
+- lane: the lateral cost, the path to its minimum, and the speed
 """

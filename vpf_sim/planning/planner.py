@@ -1,4 +1,4 @@
-"""The planner of a variant: the paper's fields in the image, or the lane planner."""
+"""The planner of a variant: the paper's, or the lane planner."""
 
 from vpf_sim.planning.lane.planner import LanePlanner
 from vpf_sim.planning.paper.planner import PaperPlanner

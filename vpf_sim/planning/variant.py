@@ -23,7 +23,7 @@ from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
 from vpf_sim.perception.paper.config import ContactConfig, ObstacleMapConfig
 from vpf_sim.perception.plausible import PlausibilityConfig
 from vpf_sim.perception.road.config import RoadEdgeConfig
-from vpf_sim.planning.lane.planner import LanePlannerConfig
+from vpf_sim.planning.lane.config import LanePlannerConfig
 from vpf_sim.planning.paper.planner import PaperPlannerConfig
 from vpf_sim.planning.variants import knockouts, repair_steps
 from vpf_sim.planning.variants.ablation_steps import steps
@@ -35,15 +35,11 @@ Chain = Literal["robust", "paper", "without", "mechanisms"]
 
 @settings
 class ControllerConfig:
-    """Changes of the gains that it names."""
+    """Gains in place of those of the set; none: as there."""
 
-    c_r_per_s: float | None = setting(
-        "c_r, slope of the rotational manifold; none: as in the gains", default=None, gt=0.0
-    )
-    u0_radps: float | None = setting("u_0, rate of the steering actuator; none: as in the gains", default=None, gt=0.0)
-    reference_filter_hz: float | None = setting(
-        "low-pass of the differentiated reference; none: as in the gains", default=None, ge=0.0
-    )
+    c_r_per_s: float | None = setting("c_r, slope of the rotational manifold", default=None, gt=0.0)
+    u0_radps: float | None = setting("u_0, rate of the steering actuator", default=None, gt=0.0)
+    reference_filter_hz: float | None = setting("low-pass of the differentiated reference", default=None, ge=0.0)
 
 
 @settings
@@ -58,7 +54,7 @@ class FrameConfig:
 
 @settings
 class Variant:
-    """One section a stage. The way through the field is the paper's `paper_planner` or `lane_planner`, never both."""
+    """One section for each stage; the planner is `paper_planner` or `lane_planner`."""
 
     gains: str = setting("of the controller, a set [gtsmc.NAME] of controllers/gains.toml")
     frames: FrameConfig = setting("late and missing frames")
@@ -69,23 +65,20 @@ class Variant:
     time_to_contact: ContactConfig = setting("time to contact")
     obstacle_map: ObstacleMapConfig = setting("obstacle map")
     road_edges: RoadEdgeConfig = setting("edges and lanes of the road")
-    odometry: OdometryConfig | None = setting("a rough pose is replaced by speed and yaw rate", default=None)
-    camera_pitch: PitchConfig | None = setting("the camera's mount pitch is taken out of flow and frames", default=None)
-    static_obstacles: StaticObstacleConfig | None = setting(
-        "obstacles that stand; without it there is only the obstacle map", default=None
-    )
-    moving_obstacles: MovingObstacleConfig | None = setting("moving obstacles", default=None)
+    odometry: OdometryConfig | None = setting("replaces a rough pose by speed and yaw rate", default=None)
+    camera_pitch: PitchConfig | None = setting("takes the camera's mount pitch out of flow and frames", default=None)
+    static_obstacles: StaticObstacleConfig | None = setting("static obstacle tracker", default=None)
+    moving_obstacles: MovingObstacleConfig | None = setting("moving-object tracker", default=None)
     controller: ControllerConfig | None = setting("changes of the gains", default=None)
-    paper_planner: PaperPlannerConfig | None = setting("the paper's fields in the image", default=None)
+    paper_planner: PaperPlannerConfig | None = setting("the paper's potential fields", default=None)
     lane_planner: LanePlannerConfig | None = setting("lateral cost, path and speed in the lane", default=None)
 
     def __post_init__(self) -> None:
         if (self.paper_planner is None) == (self.lane_planner is None):
             raise ValueError("expected exactly one of [paper_planner] and [lane_planner]")
-        if self.lane_planner is not None and self.static_obstacles is None:
-            raise ValueError("[lane_planner] needs [static_obstacles]: it goes by the bodies on the road")
-        if self.moving_obstacles is not None and self.static_obstacles is None:
-            raise ValueError("[moving_obstacles] needs [static_obstacles]: it sees what these cannot be")
+        for key in "lane_planner", "moving_obstacles":
+            if getattr(self, key) is not None and self.static_obstacles is None:
+                raise ValueError(f"[{key}] needs [static_obstacles]")
 
 
 SECTIONS = [key for key, hint in keys(Variant).items() if sections(hint)]

@@ -1,4 +1,4 @@
-"""Drivers on recordings: field drivers steer a model vehicle, others get the recorded state."""
+"""Drivers on recordings: vision drivers steer a model vehicle, others get the recorded state."""
 
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
@@ -7,9 +7,9 @@ import numpy as np
 
 from vpf_sim import drivers
 from vpf_sim.controllers.gtsmc import Gains
-from vpf_sim.drivers import FieldDriver
+from vpf_sim.drivers import VisionDriver
 from vpf_sim.drivers.perceiver import Perceiver
-from vpf_sim.planning.lane.plan import LanePlan
+from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.planning.paper.planner import PaperPlan
 from vpf_sim.planning.planner import create_planner
 from vpf_sim.planning.variant import Variant
@@ -47,7 +47,7 @@ class OpenLoopDriver(Protocol):
 
 def open_loop_driver(driver: Driver, setup: DriverSetup) -> OpenLoopDriver:
     """The open-loop form of a driver."""
-    if isinstance(driver, FieldDriver):
+    if isinstance(driver, VisionDriver):
         return ModelVehicleDriver(setup, driver.variant, driver.gains)
     return RecordedStateDriver(setup, driver)
 
@@ -71,7 +71,7 @@ class RecordedStateDriver:
 
 
 class ModelVehicleDriver:
-    """A variant of the field: it perceives from the recorded car and steers the model vehicle."""
+    """A vision driver: it perceives from the recorded car and steers the model vehicle."""
 
     protocol = MODEL
 

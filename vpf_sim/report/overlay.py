@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.geometry import distort
-from vpf_sim.planning.lane.plan import LanePlan
+from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.planning.paper.planner import PaperPlan
 from vpf_sim.report.canvas import INK, SHADE, Canvas, Colour
 from vpf_sim.report.compass import OBSTACLE, REFERENCE, draw_compass

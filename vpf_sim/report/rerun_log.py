@@ -12,8 +12,8 @@ import numpy as np
 from vpf_sim.errors import InputError
 from vpf_sim.files import Draft
 from vpf_sim.geometry import distort
-from vpf_sim.planning.lane.plan import LanePlan
-from vpf_sim.report import field_view
+from vpf_sim.planning.lane.planner import LanePlan
+from vpf_sim.report import cost_view
 from vpf_sim.report.compass import OBSTACLE, REFERENCE, ROAD, TARGET
 from vpf_sim.report.overlay import EDGE, OBSTACLE_LENGTH_M, ROAD_AHEAD_M, road_line, ttc_colour
 from vpf_sim.types import Camera, Floats, Image, Plan, VehicleModel
@@ -59,7 +59,7 @@ class RerunLog:
             self._perceived(plan)
             self._scene(plan)
             if isinstance(plan.extra, LanePlan):
-                self._log("field", self._picture(field_view.draw(plan)))
+                self._log("cost", self._picture(cost_view.draw(plan)))
 
     def signals(self, time_s: Floats, columns: dict[str, Floats]) -> None:
         """Log (N,) values over time; nan and inf are left out."""

@@ -95,7 +95,7 @@ def test_the_command_stores_a_run_folder_with_the_ablation_table(
     assert json.loads(capsys.readouterr().out)["changed"] == []
     assert cli.run(["ablate", "--out", str(out), "--resume"]) == 0
     said = capsys.readouterr().out
-    assert "vpf@memory: decisions are kept" in said
+    assert "vpf@memory: lateral cost: leaving the last minimum" in said
     assert "Differences to the previous step" in said
 
 

@@ -106,7 +106,7 @@ def test_a_stale_frame_is_detected_across_skipped_ones(monkeypatch: pytest.Monke
 
 
 @pytest.mark.parametrize("driver", ["vpf", "vpf@full-frame"])
-def test_a_field_driver_declares_which_frames_it_uses(driver: str) -> None:
+def test_a_vision_driver_declares_which_frames_it_uses(driver: str) -> None:
     """It does the same where all others are kept from it, and another thing where one of its own is."""
 
     def done(blinded: Callable[[bool, int], bool]) -> tuple[list[tuple[Command, bytes]], int]:

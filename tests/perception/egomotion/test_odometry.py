@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from driver_settings import ROBUST
 
-from vpf_sim.drivers import FieldDriver
+from vpf_sim.drivers import VisionDriver
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.perception.egomotion.odometry import Odometry
 from vpf_sim.seeding import stream
@@ -146,7 +146,7 @@ def test_a_car_that_stands_stays_where_it_is() -> None:
 
 
 def test_the_driver_goes_by_it() -> None:
-    driver = FieldDriver("robust")
+    driver = VisionDriver("robust")
     camera = Camera()
     driver.reset(DriverSetup(camera, VehicleModel(), RATE_HZ, 5.55, (200.0, 0.0), 1))
     blank: Image = np.zeros((camera.height_px, camera.width_px, 3), np.uint8)

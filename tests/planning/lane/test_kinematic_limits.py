@@ -19,10 +19,10 @@ from lane_planner import (
 )
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
-from vpf_sim.planning.lane.frame import NOTHING, Lane, LaneObstacles, locate, place
+from vpf_sim.planning.lane.frame import NOTHING, Lane, LaneObstacles
 from vpf_sim.planning.lane.lateral_cost import LateralCost
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
-from vpf_sim.types import Command, Obstacles, RoadEdges
+from vpf_sim.types import Command
 
 LANE = straight_lane()
 
@@ -120,7 +120,7 @@ def test_a_car_that_is_on_the_way_aside_already_is_as_far_as_one_that_began_befo
     slope, shift, radius = 0.2, 2.0, float(1.0 / LIMITS.tightest(speed_mps))
     whole = shift + 0.5 * radius * slope**2
     way = (
-        float(LIMITS.way(whole, speed_mps))
+        float(LIMITS.limits(speed_mps).way(whole))
         - radius * slope
         + 0.3 * speed_mps * (1.0 - slope / float(LIMITS.ratio(speed_mps)))
     )
@@ -131,7 +131,7 @@ def test_the_first_half_of_a_shift_to_a_far_goal_takes_half_of_its_way() -> None
     """The car need not rest where it is clear of an obstacle, if its path leads on."""
     way, half = np.array([8.0]), np.array([1.0])
     rests, goes_on = LIMITS.speed(way, half, 0.0, 0.0)[0], LIMITS.speed(way, half, 2.0, 0.0)[0]
-    assert 0.5 * float(LIMITS.way(2.0, goes_on)) + 0.3 * goes_on == pytest.approx(8.0, rel=0.03)
+    assert 0.5 * float(LIMITS.limits(goes_on).way(2.0)) + 0.3 * goes_on == pytest.approx(8.0, rel=0.03)
     assert goes_on > 1.1 * rests
 
 
@@ -144,31 +144,6 @@ def test_near_an_edge_the_car_turns_no_more_than_its_corners_allow() -> None:
             0.5 * hypot(CAR.length_m, CAR.width_m) * np.sin(np.arcsin(right) + np.arctan(CAR.width_m / CAR.length_m))
         )
         assert corner < 0.5 * CAR.width_m + gap
-
-
-def seen(*rows: tuple[float, float, float, int]) -> LaneObstacles:
-    """What the lane has of obstacles by face, left, right, identity."""
-    forward, left, right, identity = np.array(rows).T
-    unknown = np.full(len(rows), 0.1)
-    road = RoadEdges(-8.75, 5.25, 0.0, 0.0, 0.02, 1.0, 0.0, 3.5)
-    return place(
-        Obstacles(forward, left, right, unknown, unknown, identity.astype(np.int64)),
-        locate(road),
-        ROBUST.obstacles.parts,
-    )
-
-
-def test_a_part_of_an_obstacle_is_no_obstacle_of_its_own() -> None:
-    """An edge low on its side, or points that fell away from its others; not what stands beside or far behind it."""
-    car = (10.0, 0.0, 2.0, 1)
-    assert len(seen(car, (14.0, -0.2, 0.4, 2))) == 1
-    assert len(seen(car, (13.0, -0.5, 0.1, 1))) == 1
-    assert len(seen(car, (13.0, -1.5, 0.1, 1))) == 2
-    assert len(seen(car, (13.0, -0.5, 0.1, 2))) == 2
-    assert len(seen(car, (10.3, 0.2, 0.8, 2))) == 2
-    assert len(seen(car, (20.0, 0.2, 0.8, 2))) == 2
-    assert seen((14.0, -0.2, 0.4, 2), car).along_m.tolist() == [10.0]
-    assert len(seen((10.0, 0.3, 1.5, 1), (15.5, 0.0, 1.8, 2))) == 2, "a car behind a pallet"
 
 
 def test_where_no_place_is_free_it_keeps_clear_of_what_is_too_near_for_a_stop() -> None:

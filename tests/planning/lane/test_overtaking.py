@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from lane_planner import (
+    BRAKING,
     BUMPER_M,
     CAR,
     CLEARANCE,
@@ -14,7 +15,6 @@ from lane_planner import (
     lane_reference,
     lateral_cost,
     straight_lane,
-    unwrap,
 )
 
 from vpf_sim.planning.lane.frame import LaneObstacles
@@ -51,7 +51,7 @@ def test_no_car_is_cut_off() -> None:
 @pytest.mark.parametrize("speed_mps", [2.0, 4.0])
 def test_an_obstacle_that_cannot_be_passed_is_followed_at_its_gap(speed_mps: float) -> None:
     """v_d is the obstacle's speed at the wanted gap, less nearer by, more farther off; 0 behind a static one."""
-    kept = BUMPER_M + SPEED.standoff_m + unwrap(SPEED.follow).time_gap_s * speed_mps
+    kept = BUMPER_M + BRAKING.standoff_m + SPEED.time_gap_s * speed_mps
 
     def wanted(along_m: float, body_mps: float, own_mps: float) -> float:
         return lane_reference().update(LANE, about(obstacle(along_m, 0.0, body_mps)), 0.0, 0.0, own_mps).speed_mps
@@ -59,7 +59,7 @@ def test_an_obstacle_that_cannot_be_passed_is_followed_at_its_gap(speed_mps: flo
     assert wanted(kept, speed_mps, speed_mps) == pytest.approx(speed_mps, abs=1e-6)
     assert wanted(kept - 1.0, speed_mps, speed_mps) < speed_mps - 0.1
     assert speed_mps < wanted(kept + 1.0, speed_mps, SPEED_MPS) <= SPEED_MPS
-    assert wanted(BUMPER_M + SPEED.standoff_m, 0.0, SPEED_MPS) == 0.0
+    assert wanted(BUMPER_M + BRAKING.standoff_m, 0.0, SPEED_MPS) == 0.0
     assert wanted(60.0, speed_mps, SPEED_MPS) == SPEED_MPS
 
 

@@ -44,11 +44,11 @@ def source() -> str:
 
 def own_code(driver: str) -> str | None:
     """SHA-256 of a user's driver: its outermost package or its variant file; None for registered drivers."""
-    from vpf_sim.drivers import FIELD
+    from vpf_sim.drivers import VARIANT_PREFIX
     from vpf_sim.planning import variant
 
-    if driver.startswith(FIELD):
-        return sha256(repr(variant.load(driver.removeprefix(FIELD))).encode()).hexdigest()
+    if driver.startswith(VARIANT_PREFIX):
+        return sha256(repr(variant.load(driver.removeprefix(VARIANT_PREFIX))).encode()).hexdigest()
     return _code_of(driver.partition(":")[0].partition(".")[0]) if ":" in driver else None
 
 

@@ -1,9 +1,7 @@
-"""Settings of the lane planner but for speed and recovery. Potentials have no unit: only their ratios matter."""
+"""Settings of the lane planner. Costs have no unit: only their ratios matter. Ways go from the bumper to a face."""
 
 from vpf_sim.configuration import setting, settings
-from vpf_sim.planning.lane.speed_config import SpeedConfig
-
-MOST_CELLS = 10_000  # of the grid, to one side
+from vpf_sim.planning.lane.recovery_config import RecoveryConfig
 
 
 @settings
@@ -15,25 +13,17 @@ class ClearanceConfig:
     least_m: float = setting("beside an obstacle, at least, at walking speed; a narrower gap is blocked", gt=0.0)
     edge_m: float = setting("to an edge of the road, at least", gt=0.0)
 
-    def __post_init__(self) -> None:
-        if not self.least_m < self.full_speed_m:
-            raise ValueError(f"least_m: expected < full_speed_m = {self.full_speed_m}, got {self.least_m}")
-
 
 @settings
-class PartsConfig:
-    """Which obstacles are a part of another one before them."""
+class BrakingConfig:
+    """Stops and speed changes, the same in all parts of the planner."""
 
-    least_behind_m: float = setting("from the face of the other one to a part, at least", ge=0.0)
-    most_behind_m: float = setting("and at most", gt=0.0)
-    beyond_m: float = setting("a part lies at most so far beyond a side of the other one", ge=0.0)
-    share: float = setting("of a part's width that lies behind the other one, at least", ge=0.0, le=1.0)
-
-
-@settings
-class FollowConfig:
-    slower_mps: float = setting("an obstacle is overtaken that is slower than the reference speed by more", ge=0.0)
-    beside_m: float = setting("others are avoided only where the way to them is shorter", ge=0.0)
+    comfort_mps2: float = setting("deceleration before a blocked road", gt=0.0)
+    emergency_mps2: float = setting("deceleration before an obstacle that is too near for comfort", gt=0.0)
+    reaction_s: float = setting("until brake or steering takes effect", ge=0.0)
+    standoff_m: float = setting("kept when stopping", gt=0.0)
+    cautious_mps: float = setting("least speed where little is seen or an obstacle is tentative", gt=0.0)
+    rise_mps2: float = setting("acceleration of the speed reference", gt=0.0)
 
 
 @settings
@@ -43,33 +33,8 @@ class MeetConfig:
 
 
 @settings
-class CatchUpConfig:
-    time_s: float = setting("time in which an obstacle behind comes beside the car", gt=0.0)
-
-
-@settings
-class RowsConfig:
-    beyond_m: float = setting("a face so far behind the rear of another obstacle is in its row", ge=0.0)
-
-
-@settings
-class PassageConfig:
-    ahead_m: float = setting("an obstacle nearer than this bounds the passage", gt=0.0)
-
-
-@settings
-class CornerSwingConfig:
-    pass
-
-
-@settings
-class KeepAsideConfig:
-    ahead_m: float = setting("a moving obstacle is being passed from this way to its face on", gt=0.0)
-
-
-@settings
 class ObstacleConfig:
-    """Which obstacles count, from bumper to face, and how they lie to each other."""
+    """Which obstacles count, and how they lie to each other."""
 
     visible_m: float = setting("an obstacle counts from this way on", gt=0.0)
     full_m: float = setting("and in full from this way on", gt=0.0)
@@ -77,30 +42,12 @@ class ObstacleConfig:
     long_m: float = setting("length of a truck, or of a moving obstacle, at least", gt=0.0)
     truck_width_m: float = setting("an obstacle that is wider may be a truck", gt=0.0)
     row_depth_m: float = setting("obstacles whose faces are nearer along the road are met together", gt=0.0)
-    parts: PartsConfig | None = setting("Merges what lies behind a face into one longer obstacle.", default=None)
-    follow: FollowConfig | None = setting("Leaves obstacles alone that are about as fast, unless near.", default=None)
+    row_gap_m: float = setting("a face so far behind the rear of another obstacle is in its row", ge=0.0)
+    slower_mps: float = setting("an obstacle is overtaken that is slower than the reference speed by more", ge=0.0)
+    beside_m: float = setting("others are avoided only where the way to them is shorter", ge=0.0)
     meet: MeetConfig | None = setting("Leaves moving obstacles alone until they are met soon.", default=None)
-    catch_up: CatchUpConfig | None = setting("Avoids faster obstacles that come from behind.", default=None)
-    rows: RowsConfig | None = setting("Chooses a side for a row of obstacles as a whole.", default=None)
-    passage: PassageConfig | None = setting(
-        "Bounds the path by the obstacles beside the car as by the road's edges.", default=None
-    )
-    corner_swing: CornerSwingConfig | None = setting(
-        "Limits the path's slope so that the car's side does not swing into an obstacle.", default=None
-    )
-    keep_aside: KeepAsideConfig | None = setting(
-        "Keeps the path from a moving obstacle that is being passed.", default=None
-    )
-
-    def __post_init__(self) -> None:
-        if not self.full_m < self.visible_m:
-            raise ValueError(f"full_m: expected < visible_m = {self.visible_m}, got {self.full_m}")
-
-
-@settings
-class WallConfig:
-    height: float = setting("h_w, at the edge", ge=0.0)
-    reach_m: float = setting("d_w, from the edge", gt=0.0)
+    catch_up_s: float | None = setting("Faster obstacles behind that come up in this time count.", default=None, gt=0.0)
+    keep_aside_m: float | None = setting("Moving obstacles nearer than this keep the path off.", default=None, gt=0.0)
 
 
 @settings
@@ -110,21 +57,9 @@ class TailConfig:
 
 
 @settings
-class NarrowConfig:
-    height: float = setting("h_n, at no gap", ge=0.0)
-
-
-@settings
 class RowCostConfig:
     height: float = setting("h_r, at no gap", ge=0.0)
     gap_m: float = setting("b_r, a wider gap costs nothing", gt=0.0)
-
-
-@settings
-class UnstoppedConfig:
-    share: float = setting("by which the obstacle potential is higher", ge=0.0)
-    brake_mps2: float = setting("of an emergency stop", gt=0.0)
-    reaction_s: float = setting("of an emergency stop", ge=0.0)
 
 
 @settings
@@ -134,34 +69,20 @@ class MemoryConfig:
 
 
 @settings
-class TurnedConfig:
-    angle_rad: float = setting("from the road's direction, at least", gt=0.0)
-
-
-@settings
 class NarrowPlanConfig:
     height: float = setting("of the latch towards a narrow gap", ge=0.0)
     near_m: float = setting("from the minimum, a car has gone there", gt=0.0)
 
 
 @settings
-class OverlapConfig:
-    within_m: float = setting("an overlap with the last minimum from which on the side is free", gt=0.0)
-
-
-@settings
 class LatchConfig:
     """The side of an obstacle is kept once it is near."""
 
-    ahead_m: float = setting("an obstacle is near, from bumper to face", gt=0.0)
+    ahead_m: float = setting("an obstacle is near within this way", gt=0.0)
     height: float = setting("for changing the side", ge=0.0)
-    turned: TurnedConfig | None = setting("Keeps the side of farther obstacles, too, once turned to it.", default=None)
-    narrow_plan: NarrowPlanConfig | None = setting(
-        "Keeps a side less where it leads to a narrow gap and the car does not go there yet.", default=None
-    )
-    overlap: OverlapConfig | None = setting(
-        "Keeps no side of an obstacle that is reported where the car was going.", default=None
-    )
+    turned_rad: float | None = setting("A car turned by more keeps its side of farther ones.", default=None, gt=0.0)
+    narrow_plan: NarrowPlanConfig | None = setting("Leaves a narrow gap again while far from it.", default=None)
+    overlap_m: float | None = setting("An overlap with the last minimum that frees the side.", default=None, gt=0.0)
 
 
 @settings
@@ -173,45 +94,29 @@ class CrossingConfig:
 
 @settings
 class BesideConfig:
-    """Obstacles beside the car are not crossed."""
-
     height: float = setting("for what lies beyond an obstacle beside the car", ge=0.0)
-    crossing: CrossingConfig | None = setting(
-        "Crosses behind a moving obstacle only where it is not reached meanwhile.", default=None
-    )
-
-
-@settings
-class UnreachedConfig:
-    height: float = setting("for what cannot be reached before an obstacle", ge=0.0)
+    crossing: CrossingConfig | None = setting("Crosses behind a moving obstacle if that is safe.", default=None)
 
 
 @settings
 class LateralCostConfig:
-    """The potential across the lane."""
+    """The cost across the lane."""
 
-    reach_m: float = setting("of the grid, to both sides of the own lane's middle", gt=0.0)
-    spacing_m: float = setting("of the grid", gt=0.0)
+    reach_m: float = setting("of the grid, to both sides of the own lane's middle", gt=0.0, le=100.0)
+    spacing_m: float = setting("of the grid", ge=0.01)
     target_per_m2: float = setting("k", gt=0.0)
     obstacle_height: float = setting("h_o", ge=0.0)
     obstacle_slope_per_m: float = setting("s_o", ge=0.0)
-    wall: WallConfig | None = setting("Repels from the road's edges.", default=None)
+    narrow_height: float = setting("h_n, at no gap", ge=0.0)
+    wall_height: float = setting("h_w, at an edge of the road", ge=0.0)
+    wall_reach_m: float = setting("d_w, from the edge", gt=0.0)
     tail: TailConfig | None = setting("Repels from obstacles beyond the clearance wanted.", default=None)
-    narrow: NarrowConfig | None = setting("Makes a gap below the least clearance cost more than an edge.", default=None)
     row: RowCostConfig | None = setting("Makes narrow gaps in a row of obstacles cost more.", default=None)
-    unstopped: UnstoppedConfig | None = setting(
-        "Keeps clear first of obstacles that are too near for a stop, where no place is free.", default=None
-    )
+    unstopped_share: float | None = setting("Raises obstacles too near for a stop, if none is free.", default=None)
     memory: MemoryConfig | None = setting("Makes it cost to leave the last minimum.", default=None)
     latch: LatchConfig | None = setting("Keeps the side of a near obstacle.", default=None)
     beside: BesideConfig | None = setting("Does not cross an obstacle beside the car.", default=None)
-    unreached: UnreachedConfig | None = setting(
-        "Avoids places that the car cannot reach before an obstacle.", default=None
-    )
-
-    def __post_init__(self) -> None:
-        if self.reach_m / self.spacing_m > MOST_CELLS:
-            raise ValueError(f"reach_m: expected at most {MOST_CELLS} times spacing_m, got {self.reach_m}")
+    unreached_height: float | None = setting("Cost of what the car cannot reach in time.", default=None, ge=0.0)
 
 
 @settings
@@ -231,26 +136,8 @@ class LimitsConfig:
     acceleration_mps2: float = setting("largest lateral acceleration", gt=0.0)
     steering_radps: float = setting("rate that a path asks of the steering at most", gt=0.0)
     yaw_acceleration_radps2: float = setting("and of the car", gt=0.0)
-    reaction_s: float = setting("until the steering shows across the lane", ge=0.0)
     radius_factor: float = setting("of the tightest curve: the steering takes time to get there", ge=1.0)
     edge: EdgeConfig | None = setting("Turns towards an edge no more than the car's corners allow.", default=None)
-
-    def __post_init__(self) -> None:
-        if not self.ratio <= self.walking_ratio:
-            raise ValueError(f"ratio: expected <= walking_ratio = {self.walking_ratio}, got {self.ratio}")
-        if not self.walking_mps < self.fast_mps:
-            raise ValueError(f"walking_mps: expected < fast_mps = {self.fast_mps}, got {self.walking_mps}")
-
-
-@settings
-class WaitConfig:
-    reaction_s: float = setting("besides the way that the shift takes", ge=0.0)
-    slope: float = setting("of a path that has not left its place yet, at most", gt=0.0)
-
-
-@settings
-class HoldConfig:
-    ahead_m: float = setting("from bumper to face: from farther away a gap may still prove wider", gt=0.0)
 
 
 @settings
@@ -261,8 +148,6 @@ class PathConfig:
     shortest_s: float = setting("shortest duration of a shift", gt=0.0)
     lead_m: float = setting("from the rear axle to the path, at most", gt=0.0)
     slowest_closing_mps: float = setting("speed towards an obstacle, at least, for the time that is left", gt=0.0)
-    wait: WaitConfig | None = setting("Leaves the lane no sooner than it must.", default=None)
-    hold: HoldConfig | None = setting("Stays straight before a row without a free gap.", default=None)
 
 
 @settings
@@ -272,22 +157,51 @@ class CorrectionConfig:
     per_s: float = setting("k, of the lateral error", gt=0.0)
     per_m: float = setting("k / v, at most: the slower, the longer the car takes to turn", gt=0.0)
     speed_mps: float = setting("largest lateral speed", gt=0.0)
-    ratio: float = setting("largest lateral speed as a share of the vehicle's", gt=0.0)
 
 
 @settings
-class LaneReferenceConfig:
-    """Heading and speed towards the minimum."""
+class LookConfig:
+    gap_m: float = setting("a gap so wide is not closed by one more obstacle", gt=0.0)
+    beside_m: float = setting("from the car, what stands bounds the gap", gt=0.0)
+    ahead_m: float = setting("way before the row", gt=0.0)
+    speed_mps: float = setting("speed there", gt=0.0)
 
-    brake_mps2: float = setting("of a stop before a blocked road", gt=0.0)
-    closest_standoff_m: float = setting("from the bumper to a face, of any stop", gt=0.0)
+
+@settings
+class SpeedConfig:
+    """Limits of the speed by what is ahead."""
+
+    near_m: float = setting("where an emergency stop ends", gt=0.0)
+    turn_m: float = setting("least way on which the tightest turn leads out", gt=0.0)
+    time_gap_s: float = setting("kept from a moving obstacle besides the standoff", ge=0.0)
+    fall_back_mps: float = setting("by which a too near moving obstacle is let go ahead", gt=0.0)
+    bend_mps2: float | None = setting("Largest lateral acceleration in bends.", default=None, gt=0.0)
+    turned_m: float | None = setting("Shifts before obstacles; a turned car is so much wider.", default=None, ge=0.0)
+    look: LookConfig | None = setting("Slows before a gap that one more obstacle would close.", default=None)
+    firm_mps2: float | None = setting("Brakes in comfort up to this deceleration.", default=None, gt=0.0)
+
+
+@settings
+class ClearDistanceConfig:
+    """The stop that must be possible within what is seen."""
+
+    brake_mps2: float = setting("of the stop", gt=0.0)
+    standoff_m: float = setting("of the stop", gt=0.0)
+    enough_share: float = setting("of the reference speed: a view that allows as much is a good one", gt=0.0)
+
+
+@settings
+class LanePlannerConfig:
+    lost_road_mps: float = setting("speed where the road itself is not seen", gt=0.0)
+    lost_road_m: float = setting("way after which the car stops there", gt=0.0)
+    clearance: ClearanceConfig
+    braking: BrakingConfig
+    obstacles: ObstacleConfig
+    lateral_cost: LateralCostConfig
+    limits: LimitsConfig
     correction: CorrectionConfig
     path: PathConfig | None = setting("Leads to the minimum with least jerk instead of straight.", default=None)
     speed: SpeedConfig | None = setting("Adapts the speed to what is ahead.", default=None)
-
-    def __post_init__(self) -> None:
-        if self.speed is not None and not self.closest_standoff_m <= self.speed.standoff_m:
-            most = self.speed.standoff_m
-            raise ValueError(
-                f"closest_standoff_m: expected <= speed.standoff_m = {most}, got {self.closest_standoff_m}"
-            )
+    clear_distance: ClearDistanceConfig | None = setting("Slows where little of the road is seen.", default=None)
+    tentative_m: float | None = setting("Slows before tentative obstacles within this of the way.", default=None)
+    recovery: RecoveryConfig | None = setting("Turns out of a dead end on the tightest curve.", default=None)

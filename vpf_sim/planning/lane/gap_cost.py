@@ -9,16 +9,6 @@ from vpf_sim.planning.lane.frame import Lane, LaneObstacles
 from vpf_sim.types import Bools, Floats
 
 
-def same_row(obstacles: LaneObstacles, length_m: Floats, beyond_m: float) -> Bools:
-    """(K, K) which obstacles are in one row: the face of one no more than `beyond_m` behind the rear of the other.
-
-    `length_m` (K,) is their length, since a pedestrian may stand beside the rear of a truck.
-    """
-    behind, reach = obstacles.along_m[None] - obstacles.along_m[:, None], length_m + beyond_m
-    row: Bools = np.where(behind > 0.0, behind < reach[:, None], -behind < reach[None])
-    return row
-
-
 def narrowness(
     obstacles: LaneObstacles, in_row: Bools, weight: Floats, lane: Lane, y_m: Floats, widths_m: tuple[float, float]
 ) -> Floats:

@@ -15,9 +15,8 @@ from math import inf, sin, tan
 
 import numpy as np
 
-from vpf_sim.planning.lane.config import LimitsConfig
+from vpf_sim.planning.lane.config import LanePlannerConfig
 from vpf_sim.planning.lane.frame import Lane
-from vpf_sim.planning.lane.steering_unwind import rest
 from vpf_sim.types import Bools, Floats, VehicleModel
 
 PEAK_SPEED, PEAK_ACCELERATION = 1.4, 4.4  # of a least-jerk shift D in T: 1.4 D / T and 4.4 D / T^2
@@ -50,35 +49,22 @@ class Limits:
         way: Floats = np.maximum(np.maximum(by_curve, by_slope), by_steering)
         return way
 
-    def rest(self, slope: float, bend_per_m: float) -> tuple[Floats, Floats]:
-        """(N,) m of way until a path can lead along the road, and m across it until then (`steering_unwind`)."""
-        return rest(slope, bend_per_m, self.steering_per_m2, self.tightest_per_m)
-
 
 class KinematicLimits:
     """Limits of the lateral motion of one vehicle."""
 
-    def __init__(self, config: LimitsConfig, vehicle: VehicleModel) -> None:
-        self._config = config
-        self._vehicle = vehicle
+    def __init__(self, planner: LanePlannerConfig, vehicle: VehicleModel) -> None:
+        config = self._config = planner.limits
+        self._vehicle, self._reaction_s, self.walking_mps = vehicle, planner.braking.reaction_s, config.walking_mps
         slip = np.arctan(vehicle.l_r_m / vehicle.wheelbase_m * tan(vehicle.steering_limit_rad))
-        self._radius_m = config.radius_factor * vehicle.l_r_m / sin(slip)
+        # of the tightest curve, with the way that the steering takes to get there
+        self.radius_m: float = config.radius_factor * vehicle.l_r_m / sin(slip)
         self._arm_m = inf if config.edge is None else 0.5 * vehicle.length_m + config.edge.turning_m
         # m from the rear axle to where its path must have turned back for the corners to stay on the carriageway
         self.path_arm_m = self._arm_m + vehicle.l_r_m
-        self.full_brake_mps2 = vehicle.full_brake_mps2
         self._ratio_speeds = np.array([config.walking_mps, config.fast_mps])
         self._ratios = np.array([config.walking_ratio, config.ratio])
         self.at_speeds = self.limits(SPEEDS_MPS)  # those that are the same in each step
-
-    @property
-    def walking_mps(self) -> float:
-        return self._config.walking_mps
-
-    @property
-    def radius_m(self) -> float:
-        """Of the tightest curve, with the way that the steering takes to get there."""
-        return self._radius_m
 
     def ratio(self, speed_mps: Floats | float) -> Floats:
         """Largest speed across as a share of the vehicle's."""
@@ -110,7 +96,7 @@ class KinematicLimits:
             return np.full_like(left_m, -np.inf)
         arm = self.path_arm_m
         steepest = min(gap_m / arm, self._config.walking_ratio)
-        turning = 0.5 * self._radius_m * max(steepest - slope, 0.0) ** 2 / steepest
+        turning = 0.5 * self.radius_m * max(steepest - slope, 0.0) ** 2 / steepest
         near = np.minimum(np.maximum(left_m, 0.0), gap_m)
         begins = np.minimum(np.maximum(steepest * arm, near), gap_m)
         with np.errstate(divide="ignore"):
@@ -125,7 +111,7 @@ class KinematicLimits:
     def tightest(self, speed_mps: Floats | float) -> Floats:
         """Largest curvature of the path across, 1/m: what is comfortable, or the car's tightest curve."""
         comfortable = self._config.acceleration_mps2 / np.maximum(speed_mps, self._config.walking_mps) ** 2
-        return np.minimum(comfortable, 1.0 / self._radius_m)
+        return np.minimum(comfortable, 1.0 / self.radius_m)
 
     def steering(self, speed_mps: Floats | float) -> Floats:
         """Largest change of that curvature along the way, 1/m2: what the steering's rate and comfort leave of it."""
@@ -137,27 +123,12 @@ class KinematicLimits:
         """All limits at a speed."""
         return Limits(self.ratio(speed_mps), self.tightest(speed_mps), self.steering(speed_mps))
 
-    def rest(self, slope: float, bend_per_m: float, speed_mps: Floats) -> tuple[Floats, Floats]:
-        """(N,) m of way until a path at each speed can lead along the road, and m across it until then (`settling`)."""
-        return self.limits(speed_mps).rest(slope, bend_per_m)
-
-    def way(self, shift_m: Floats | float, speed_mps: Floats | float) -> Floats:
-        """m on which the car goes aside by that much at that speed, from the road's direction and back to it."""
-        return self.limits(speed_mps).way(shift_m)
-
     def aside(self, way_m: Floats) -> Floats:
         """m, the largest shift on each way at walking speed, from the road's direction and back to it."""
         way = np.maximum(way_m, 0.0)
-        turning = way**2 / (PEAK_ACCELERATION * self._radius_m)
+        turning = way**2 / (PEAK_ACCELERATION * self.radius_m)
         aside: Floats = np.minimum(turning, way * self._config.walking_ratio / MEAN_SLOPE)
         return aside
-
-    def least_way(self, shift_m: Floats) -> Floats:
-        """m, the way on which each shift is just possible: the inverse of `aside`."""
-        shift = np.maximum(shift_m, 0.0)
-        turning = np.sqrt(PEAK_ACCELERATION * self._radius_m * shift)
-        least: Floats = np.maximum(turning, shift * MEAN_SLOPE / self._config.walking_ratio)
-        return least
 
     def reaches(self, way_m: Floats, shift_m: Floats, slope: float) -> Bools:
         """(K,) whether shifts are possible at all for a car headed at a slope towards them (`brought`)."""
@@ -191,7 +162,7 @@ class KinematicLimits:
         whole = np.maximum(goal_m + begun, shift)
         part = np.interp(shift / np.maximum(whole, 1e-6), PROFILE, SHARES)
         waits = 1.0 - np.minimum(slope / limits.ratio, 1.0)  # who turns already has no reaction to wait for
-        ways = part * limits.way(whole) - radius * slope + waits * self._config.reaction_s * SPEEDS_MPS
+        ways = part * limits.way(whole) - radius * slope + waits * self._reaction_s * SPEEDS_MPS
         needed = np.maximum.accumulate(ways, axis=1)
         speed = np.array([np.interp(*row, SPEEDS_MPS) for row in zip(way_m, needed, strict=True)])
         return np.where(shift_m > 0.0, speed, np.inf)

@@ -1,4 +1,4 @@
-"""The lateral cost: target, road and obstacle potential across the lane, and its minimum.
+"""The lateral cost: of target, road and obstacles, across the lane, and its minimum.
 
 All three are functions of y, the position across the road (`vpf_sim.planning.lane.frame`), in the same units:
 
@@ -23,20 +23,20 @@ from math import tan
 
 import numpy as np
 
-from vpf_sim.planning.lane.config import BesideConfig, ClearanceConfig, LatchConfig, LateralCostConfig, UnstoppedConfig
+from vpf_sim.planning.lane.config import BesideConfig, LanePlannerConfig, LatchConfig
 from vpf_sim.planning.lane.frame import Lane
 from vpf_sim.planning.lane.gap_cost import narrowness
 from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.stopping_distance import stopping_way
-from vpf_sim.types import Bools, Floats, VehicleModel
+from vpf_sim.types import Bools, DriverSetup, Floats
 
 TIE = 1e-9
 EXCLUDED = 1e3  # more than any obstacle, side or memory costs
 
 
 @dataclass(frozen=True, slots=True)
-class LanePotential:
+class CostProfile:
     """U on the grid, in its three parts, and its minimum."""
 
     y_m: Floats  # (G,)
@@ -58,60 +58,48 @@ class LanePotential:
 
 
 class LateralCost:
-    """Composes the potentials of each frame and finds their minimum; remembers the last one."""
+    """Adds up the costs of each frame and finds their minimum; remembers the last one."""
 
-    def __init__(
-        self,
-        config: LateralCostConfig,
-        clearance: ClearanceConfig,
-        vehicle: VehicleModel,
-        speed_reference_mps: float,
-        kinematics: KinematicLimits,
-    ) -> None:
-        self._config = config
-        self._clearance = clearance
-        self._kinematics = kinematics
-        self._speed_reference_mps = speed_reference_mps
-        self._half_width_m = 0.5 * vehicle.width_m
+    def __init__(self, planner: LanePlannerConfig, setup: DriverSetup, kinematics: KinematicLimits) -> None:
+        config = self._config = planner.lateral_cost
+        self._clearance, self._braking, self._kinematics = planner.clearance, planner.braking, kinematics
+        self._speed_reference_mps, self._half_width_m = setup.speed_reference_mps, 0.5 * setup.vehicle.width_m
         half = np.arange(1, round(config.reach_m / config.spacing_m) + 1) * config.spacing_m
         self._y_m: Floats = np.concatenate([-half[::-1], [0.0], half])  # symmetric to the last bit
         self._target: Floats = config.target_per_m2 * self._y_m**2
         self._nothing: Floats = np.zeros(len(self._y_m))
         self._nothing.flags.writeable = False  # shared by all steps without an obstacle
-        touching = config.obstacle_height + config.obstacle_slope_per_m * clearance.wanted_m
-        self._touching = touching if config.narrow is None else touching + config.narrow.height  # U at no gap
+        touching = config.obstacle_height + config.obstacle_slope_per_m * self._clearance.wanted_m
+        self._touching = touching + config.narrow_height  # U at no gap
         self._last_m: float | None = None
 
-    def update(self, lane: Lane, geometry: ObstacleGeometry, speed_mps: float = 0.0) -> LanePotential:
-        """The field about the vehicle now."""
+    def update(self, lane: Lane, geometry: ObstacleGeometry, speed_mps: float = 0.0) -> CostProfile:
+        """The cost about the vehicle now."""
         gaps = self._edge_gaps(lane)
         road = self._road(*gaps)
         shut = self._beyond(*gaps)
         obstacle = rows = self._nothing
         if len(geometry):
             obstacle, shut = self._obstacle(geometry), shut + self._unreached(geometry, lane)
-            if self._config.unstopped and not ((obstacle < self._touching) & (shut == 0.0)).any():
-                higher = self._unstopped(self._config.unstopped, geometry, speed_mps)
-                obstacle = self._obstacle(geometry, higher[:, None])
+            higher = self._config.unstopped_share
+            if higher is not None and not ((obstacle < self._touching) & (shut == 0.0)).any():
+                obstacle = self._obstacle(geometry, self._unstopped(higher, geometry, speed_mps)[:, None])
             rows = self._rows(geometry, lane)
             obstacle = obstacle + rows
         kept = self._target + road + obstacle + shut
         if self._last_m is not None:
             kept = kept + self._memory(self._last_m, geometry, lane, rows)
         self._last_m = self._minimum(kept, lane)
-        return LanePotential(self._y_m, self._target, road, obstacle, self._last_m)
+        return CostProfile(self._y_m, self._target, road, obstacle, self._last_m)
 
     def keep(self, y_m: float) -> None:
         """Set the last minimum: the car got there by other means."""
         self._last_m = y_m
 
     def _road(self, right_m: Floats, left_m: Floats) -> Floats:
-        config = self._config.wall
-        if config is None:
-            return self._nothing
-        reach = config.reach_m
+        reach = self._config.wall_reach_m
         wall: Floats = np.maximum(1.0 - right_m / reach, 0.0) ** 2 + np.maximum(1.0 - left_m / reach, 0.0) ** 2
-        return config.height * wall
+        return self._config.wall_height * wall
 
     def _beyond(self, right_m: Floats, left_m: Floats) -> Floats:
         """(G,) the cost that keeps the minimum on the road."""
@@ -130,10 +118,8 @@ class LateralCost:
         wanted_m, least_m = self._clearance.wanted_m, self._clearance.least_m
         lacking = wanted_m - geometry.gap(self._y_m)
         inside = config.obstacle_height + config.obstacle_slope_per_m * lacking
-        if config.narrow is not None:
-            narrow = 1.0 - np.minimum(np.maximum((wanted_m - lacking) / least_m, 0.0), 1.0)
-            inside = inside + config.narrow.height * narrow
-        inside = inside * (1.0 + higher)
+        narrow = 1.0 - np.minimum(np.maximum((wanted_m - lacking) / least_m, 0.0), 1.0)
+        inside = (inside + config.narrow_height * narrow) * (1.0 + higher)
         outside: Floats = self._nothing
         if config.tail is not None:
             outside = config.tail.height * np.exp(np.minimum(lacking, 0.0) / config.tail.decay_m)
@@ -150,13 +136,12 @@ class LateralCost:
         narrow = narrowness(geometry.obstacles, geometry.in_row, geometry.weight, lane, self._y_m, widths_m)
         return config.height * narrow
 
-    @staticmethod
-    def _unstopped(config: UnstoppedConfig, geometry: ObstacleGeometry, speed_mps: float) -> Floats:
-        """(K,) the share by which the potential of obstacles is higher that are too near for a stop."""
+    def _unstopped(self, share: float, geometry: ObstacleGeometry, speed_mps: float) -> Floats:
+        """(K,) the share by which obstacles that are too near for a stop cost more."""
         way = geometry.way_m
         closing = np.maximum(speed_mps - geometry.obstacles.speed_mps, 0.0)
-        stop = stopping_way(closing, config.brake_mps2, config.reaction_s)
-        return config.share * np.where(way > 0.0, np.clip(stop - way, 0.0, 1.0), 0.0)
+        stop = stopping_way(closing, self._braking.emergency_mps2, self._braking.reaction_s)
+        return share * np.where(way > 0.0, np.clip(stop - way, 0.0, 1.0), 0.0)
 
     def _memory(self, last_m: float, geometry: ObstacleGeometry, lane: Lane, rows: Floats) -> Floats:
         """(G,) what keeps the decision: the cost of leaving the last minimum, and of changing sides."""
@@ -186,8 +171,8 @@ class LateralCost:
         if config is None:
             return geometry.present, np.zeros(len(geometry))
         middle, turned = geometry.obstacles.middle_m, np.zeros(len(geometry), np.bool_)
-        if config.turned is not None:
-            is_turned = abs(lane.heading_rad) > config.turned.angle_rad
+        if config.turned_rad is not None:
+            is_turned = abs(lane.heading_rad) > config.turned_rad
             turned = is_turned & (-lane.heading_rad * (last_m - middle) > 0.0) & ~geometry.moves
         kept = np.full(len(geometry), config.height)
         plan = config.narrow_plan
@@ -195,9 +180,9 @@ class LateralCost:
             goes = turned | (abs(lane.y_m - last_m) < plan.near_m)
             wide = np.interp(last_m, self._y_m, rows) == 0.0
             kept = np.where(goes | wide, config.height, plan.height)
-        if config.overlap is not None:  # its side is reported no better than that
+        if config.overlap_m is not None:  # its side is reported no better than that
             overlap = geometry.overlap(last_m, 0.0)
-            sided = np.minimum(np.maximum(1.0 - overlap / config.overlap.within_m, 0.0), 1.0)
+            sided = np.minimum(np.maximum(1.0 - overlap / config.overlap_m, 0.0), 1.0)
             kept = np.where(turned, kept, kept * sided)
         return geometry.present & ((geometry.way_m < config.ahead_m) | turned), kept
 
@@ -224,13 +209,13 @@ class LateralCost:
             up_to_m = most.max(where=abreast & (here >= most), initial=-np.inf)
             taken = self._config.beside.height * ((self._y_m > from_m) | (self._y_m < up_to_m))
         ahead = geometry.stands & (geometry.way_m > 0.0)
-        if self._config.unreached is None or not ahead.any():
+        if self._config.unreached_height is None or not ahead.any():
             return taken
         far_right, far_left = self._far(geometry, least, most, lane)
         from_m = most.min(where=ahead & (here < most) & far_right, initial=np.inf)
         up_to_m = least.max(where=ahead & (here > least) & far_left, initial=-np.inf)
         beyond = (self._y_m >= from_m) | (self._y_m <= up_to_m)
-        unreached: Floats = np.maximum(taken, self._config.unreached.height * beyond)
+        unreached: Floats = np.maximum(taken, self._config.unreached_height * beyond)
         return unreached
 
     def _far(self, geometry: ObstacleGeometry, least_m: Floats, most_m: Floats, lane: Lane) -> tuple[Bools, Bools]:

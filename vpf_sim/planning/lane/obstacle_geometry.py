@@ -1,36 +1,22 @@
 """Geometry of the obstacles of one step: the way to each, the gaps beside it, and whether it counts."""
 
-from dataclasses import replace
-from math import inf, sqrt, tan
+from math import inf
 
 import numpy as np
 
-from vpf_sim.planning.lane.config import ClearanceConfig, ObstacleConfig
+from vpf_sim.planning.lane.config import LanePlannerConfig
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
-from vpf_sim.planning.lane.gap_cost import same_row
-from vpf_sim.types import Bools, Floats, VehicleModel
-
-FREE_M = 1e-6  # an obstacle does not occupy its own side
+from vpf_sim.types import Bools, DriverSetup, Floats
 
 
 class ObstacleGeometry:
     """K obstacles in lane coordinates and the car; a y is that of its middle."""
 
-    def __init__(
-        self,
-        obstacles: LaneObstacles,
-        config: ObstacleConfig,
-        clearance: ClearanceConfig,
-        vehicle: VehicleModel,
-        speed_reference_mps: float,
-    ) -> None:
-        self.obstacles = obstacles
-        self._config = config
-        self._clearance = clearance
-        self._half_width_m = 0.5 * vehicle.width_m
-        self._half_length_m = 0.5 * vehicle.length_m
-        self._l_r_m = vehicle.l_r_m
-        self._speed_reference_mps = speed_reference_mps
+    def __init__(self, obstacles: LaneObstacles, config: LanePlannerConfig, setup: DriverSetup) -> None:
+        vehicle = setup.vehicle
+        self.obstacles, self._config, self._clearance = obstacles, config.obstacles, config.clearance
+        self._half_width_m, self._half_length_m = 0.5 * vehicle.width_m, 0.5 * vehicle.length_m
+        self._l_r_m, self._speed_reference_mps = vehicle.l_r_m, setup.speed_reference_mps
         self.way_m: Floats = obstacles.along_m - self._half_length_m  # (K,) from the bumper to each face
         self.moves: Bools = obstacles.speed_mps > 0.0  # (K,)
         self.length_m = self._lengths()  # (K,) from each face to its end, at least
@@ -38,14 +24,9 @@ class ObstacleGeometry:
         self.present: Bools = weight > 0.0  # (K,) the others count for the choice of a side at most
         self.stands: Bools = self.present & ~self.moves  # (K,)
         ahead = ~self.moves & (self.way_m > 0.0)
-        self.in_row: Bools = self._rows() & ahead & ahead[:, None]  # (K, K) static, ahead and in one row
-        # (K,) w of the field. The side is chosen for a row: all of it counts as soon as the first of it does.
+        self.in_row: Bools = self._same_row() & ahead & ahead[:, None]  # (K, K) static, ahead and in one row
+        # (K,) w of the lateral cost. The side is chosen for a row: all of it counts as soon as the first of it does.
         self.weight: Floats = np.maximum(weight, (weight * self.in_row).max(axis=1, initial=0.0))
-
-    @property
-    def row_depth_m(self) -> float:
-        """Obstacles whose faces are nearer along the road are met together."""
-        return self._config.row_depth_m
 
     def __len__(self) -> int:
         return len(self.obstacles)
@@ -64,27 +45,6 @@ class ObstacleGeometry:
         gap: Floats = np.maximum(y_m - self._half_width_m - right_m, left_m - y_m - self._half_width_m)
         return gap
 
-    def hinders(self, y_m: float) -> Bools:
-        """(K,) which obstacles ahead are nearer to the car at y than the clearance wanted."""
-        hinders: Bools = self.present & (self.way_m > 0.0) & (self.overlap(y_m, self._clearance.wanted_m) > 0.0)
-        return hinders
-
-    def beside(self, some: Bools) -> Bools:
-        """(K,) which obstacles ahead are in a row with some (K,) of them."""
-        beside: Bools = np.any(self.in_row & some, axis=1)
-        return beside
-
-    def shut_rows(self, y_m: float, clearance_m: float, behind_m: float) -> Bools:
-        """(K,) which obstacles ahead are in a row that leaves the car at y no way through.
-
-        The first of a row leaves one with the clearance, those behind it with `behind_m`: their sides are known worse,
-        and from within the row there is no way to another gap.
-        """
-        nearer = self.way_m[:, None] < self.way_m
-        behind = (self.in_row & nearer).any(axis=0)
-        shuts = self.overlap(y_m, 0.0) > -np.where(behind, behind_m, clearance_m)
-        return self.beside(shuts & self.stands)
-
     def shift(self, y_m: float, goal_m: float, clearance_m: Floats | float) -> Floats:
         """(K,) m from y towards a goal across the road until the car is clear of each; <= 0 where it is."""
         margin = self._half_width_m + clearance_m
@@ -93,65 +53,27 @@ class ObstacleGeometry:
             return np.where(goal_m > least, most - y_m, 0.0)
         return np.where(goal_m < most, y_m - least, 0.0)
 
-    def nearer_side(self, lane: Lane, clearance_m: float) -> Floats:
-        """(K,) m to the nearer side of each obstacle in the way that is on the road and free; else 0."""
-        margin = self._half_width_m + self._clearance.edge_m
-        here, aside = lane.y_m, self._half_width_m + clearance_m
-        least, most = self.obstacles.left_m - aside, self.obstacles.right_m + aside  # of the places that each takes
-        sides = np.concatenate([least, most])
-        taken = (least[:, None] < sides - FREE_M) & (sides + FREE_M < most[:, None]) & self.stands[:, None]
-        off = (sides < lane.left_m + margin) | (sides > lane.right_m - margin) | np.any(taken, axis=0)
-        free = np.where(off, np.inf, np.abs(sides - here))
-        in_way = (least < here) & (here < most)
-        nearer = float(free.min(initial=np.inf))
-        return np.where(in_way & (nearer < np.inf), nearer, 0.0)
+    def kept_beside(self, y_m: float, minimum_m: float) -> float:
+        """The minimum, no nearer to moving obstacles that a path at y passes than the clearance wanted.
 
-    def between(self, lane: Lane, path_m: float) -> Lane:
-        """The lane between the obstacles that the car passes, instead of between the road's edges.
-
-        An obstacle that is passed next counts, too, unless the car or its path, now at `path_m`, leads into it: a car
-        that turns towards it reaches it with a corner first.
+        Their sides have large errors, and an obstacle farther ahead must not push the path towards them.
         """
-        if self._config.passage is None:
-            return lane
-        passing = (self.way_m < self._config.passage.ahead_m) & (
-            self.obstacles.along_m + self.length_m > -self._half_length_m
-        )
+        if self._config.keep_aside_m is None:
+            return minimum_m
+        passing = self.present & self.moves & (self.way_m < self._config.keep_aside_m)
         if not passing.any():
-            return lane
-        left_m, right_m = self.obstacles.left_m, self.obstacles.right_m
-        abreast = self.way_m < 0.0
-        least = np.where(abreast, lane.y_m, min(lane.y_m, path_m) - self._half_width_m)
-        most = np.where(abreast, lane.y_m, max(lane.y_m, path_m) + self._half_width_m)
-        right = left_m.min(where=passing & (left_m > most), initial=lane.right_m)
-        left = right_m.max(where=passing & (right_m < least), initial=lane.left_m)
-        return replace(lane, right_m=float(right), left_m=float(left))
+            return minimum_m
+        margin = self._half_width_m + self._clearance.wanted_m
+        middle = self.obstacles.middle_m
+        least = float((self.obstacles.right_m + margin).max(where=passing & (middle < y_m), initial=-inf))
+        most = float((self.obstacles.left_m - margin).min(where=passing & (middle > y_m), initial=inf))
+        least, most = min(least, y_m), max(most, y_m)  # the path is not pushed away: the cost does that
+        return min(max(minimum_m, least), most)
 
-    def flanks(self, path_m: float, slope: float) -> tuple[float, float]:
-        """Largest slopes of the path to the left and right with which no side of the car swings into an obstacle.
-
-        The path of the rear axle is at `path_m` with `slope`. Ahead of that axle a side swings the way the car turns:
-        to a corner at (x, y) from there, the side of a car with half the width b, turned by a, has the gap
-        y - x tan a - b / cos a across the road. It keeps the least clearance, or what is left of it.
-        """
-        if self._config.corner_swing is None:
-            return inf, inf
-        ahead = self.obstacles.along_m + self._l_r_m  # x
-        abreast = (self.way_m < 0.0) & (ahead > 0.0)
-        if not abreast.any():
-            return inf, inf
-        reach, on_right = ahead[abreast], self.obstacles.middle_m[abreast] > path_m + slope * ahead[abreast]
-        right = self._swing(reach[on_right], self.obstacles.left_m[abreast][on_right] - path_m, slope)
-        left = self._swing(reach[~on_right], path_m - self.obstacles.right_m[abreast][~on_right], -slope)
-        return left, right
-
-    def _swing(self, ahead_m: Floats, aside_m: Floats, slope: float) -> float:
-        """Largest slope towards corners (K,) so far ahead of the rear axle and aside of its path."""
-        cosine = sqrt(1.0 - slope**2)
-        gap = aside_m - (ahead_m * slope + self._half_width_m) / cosine
-        room = aside_m - np.minimum(gap, self._clearance.least_m)
-        turned = np.arccos(np.minimum(self._half_width_m / np.hypot(room, ahead_m), 1.0)) - np.arctan2(ahead_m, room)
-        return float(np.sin(turned).min(initial=inf))
+    def beside(self, some: Bools) -> Bools:
+        """(K,) which obstacles ahead are in a row with some (K,) of them."""
+        beside: Bools = np.any(self.in_row & some, axis=1)
+        return beside
 
     def gaps(self, lane: Lane, y_m: float, beside_m: float) -> Floats:
         """(K,) m, width of the gap at y between the edges and the obstacles met with each one.
@@ -166,48 +88,21 @@ class ObstacleGeometry:
         bounds = stands & (self.overlap(y_m, beside_m) > 0.0)
         return np.where(bounds, right - left, np.inf)
 
-    def kept_beside(self, y_m: float, minimum_m: float) -> float:
-        """The minimum, no nearer to moving obstacles that a path at y passes than the clearance wanted.
+    def _same_row(self) -> Bools:
+        """(K, K) which obstacles are in one row: the face of one not far behind the rear of the other.
 
-        Their sides have large errors, and an obstacle farther ahead must not push the path towards them.
+        A pedestrian may stand beside the rear of a truck.
         """
-        if self._config.keep_aside is None:
-            return minimum_m
-        passing = self.present & self.moves & (self.way_m < self._config.keep_aside.ahead_m)
-        if not passing.any():
-            return minimum_m
-        margin = self._half_width_m + self._clearance.wanted_m
-        middle = self.obstacles.middle_m
-        least = float((self.obstacles.right_m + margin).max(where=passing & (middle < y_m), initial=-inf))
-        most = float((self.obstacles.left_m - margin).min(where=passing & (middle > y_m), initial=inf))
-        least, most = min(least, y_m), max(most, y_m)  # the path is not pushed away: the field does that
-        return min(max(minimum_m, least), most)
-
-    def met(self, lane: Lane) -> Floats:
-        """(K,) m until the front of the car meets each obstacle if it goes straight on; inf where never.
-
-        As if all were static: for one that moves on, it is less than it takes.
-        """
-        slope = -tan(lane.heading_rad)
-        y = lane.y_m + slope * self.obstacles.along_m  # of our front where it is abreast of the face
-        beyond = np.maximum(self.obstacles.left_m - y, y - self.obstacles.right_m) - self._half_width_m
-        nears = (self.obstacles.left_m + self.obstacles.right_m - 2.0 * y) * slope > 0.0
-        further = np.maximum(beyond, 0.0) / max(abs(slope), FREE_M)
-        meets = (beyond <= 0.0) | (nears & (further < self.length_m))
-        return np.where(meets & (self.way_m > 0.0), self.way_m + further, np.inf)
-
-    def _rows(self) -> Bools:
-        """(K, K) which obstacles are in one row."""
-        if self._config.rows is None or len(self) < 2:
-            return np.eye(len(self), dtype=np.bool_)
-        return same_row(self.obstacles, self.length_m, self._config.rows.beyond_m)
+        behind = self.obstacles.along_m[None] - self.obstacles.along_m[:, None]
+        reach = self.length_m + self._config.row_gap_m
+        row: Bools = np.where(behind > 0.0, behind < reach[:, None], -behind < reach[None])
+        return row
 
     def _lengths(self) -> Floats:
         """(K,) m; a wide obstacle may be a truck or a barrier."""
         config = self._config
         long = self.moves | (self.obstacles.width_m > config.truck_width_m)
-        length: Floats = np.maximum(np.where(long, config.long_m, config.length_m), self.obstacles.length_m)
-        return length
+        return np.where(long, config.long_m, config.length_m)
 
     def _weights(self) -> Floats:
         """(K,) 0 .. 1 by the distance; 0 for obstacles that have been passed or are faster."""
@@ -215,10 +110,8 @@ class ObstacleGeometry:
         nears = (self._visible() - self.way_m) / (config.visible_m - config.full_m)
         weight = np.minimum(np.maximum(nears, 0.0), 1.0)
         faster = speed - self._speed_reference_mps
-        runs = np.zeros(len(self), np.bool_)
-        if config.follow is not None:
-            runs = (faster > -config.follow.slower_mps) & (self.way_m > config.follow.beside_m)
-        catches_up = np.maximum(faster, 0.0) * (config.catch_up.time_s if config.catch_up is not None else 0.0)
+        runs = (faster > -config.slower_mps) & (self.way_m > config.beside_m)
+        catches_up = np.maximum(faster, 0.0) * (config.catch_up_s or 0.0)
         passed = self.obstacles.along_m + self.length_m + catches_up < -self._half_length_m
         return np.where(passed | runs, 0.0, weight)
 

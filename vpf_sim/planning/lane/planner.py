@@ -1,90 +1,62 @@
 """The lane planner: to the minimum of the lateral cost, along the road's direction."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
 
-from vpf_sim.configuration import setting, settings
-from vpf_sim.planning.lane.config import (
-    ClearanceConfig,
-    LaneReferenceConfig,
-    LateralCostConfig,
-    LimitsConfig,
-    ObstacleConfig,
-)
+from vpf_sim.planning.lane.config import LanePlannerConfig
 from vpf_sim.planning.lane.frame import NOTHING, Lane, LaneObstacles, locate, place
 from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
-from vpf_sim.planning.lane.lateral_cost import LanePotential, LateralCost
+from vpf_sim.planning.lane.lateral_cost import CostProfile, LateralCost
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
-from vpf_sim.planning.lane.plan import LanePlan
 from vpf_sim.planning.lane.recovery import Recovery
-from vpf_sim.planning.lane.recovery_config import RecoveryConfig
 from vpf_sim.planning.lane.reference import LaneReference
 from vpf_sim.planning.lane.speed.clear_distance import speed_within_clear_distance
 from vpf_sim.planning.lane.speed.tentative_obstacles import TentativeLimit
-from vpf_sim.planning.lane.speed_config import ClearDistanceConfig, LostRoadConfig, TentativeLimitConfig
-from vpf_sim.types import DriverSetup, Force, Observation, Obstacles, Perception, Reference, RoadEdges
+from vpf_sim.types import DriverSetup, Force, Observation, Obstacles, Perception, PlanDetails, Reference, RoadEdges
 
 
-@settings
-class LanePlannerConfig:
-    clearance: ClearanceConfig
-    obstacles: ObstacleConfig
-    lateral_cost: LateralCostConfig
-    reference: LaneReferenceConfig
-    limits: LimitsConfig
-    clear_distance: ClearDistanceConfig | None = setting("Slows where little of the road is seen.", default=None)
-    lost_road: LostRoadConfig | None = setting("Slows, then stops, where the road itself is not seen.", default=None)
-    tentative_obstacles: TentativeLimitConfig | None = setting("Slows before tentative obstacles.", default=None)
-    recovery: RecoveryConfig | None = setting("Turns out of a dead end on the tightest curve.", default=None)
+@dataclass(frozen=True, slots=True)
+class LanePlan(PlanDetails):
+    """One step of the lane planner, in lane coordinates."""
+
+    lane: Lane
+    obstacles: LaneObstacles
+    cost: CostProfile
+    reference_y_m: float  # lateral position of the reference path
 
 
 class LanePlanner:
     """Follows the minimum of the lateral cost from frame to frame."""
 
     def __init__(self, setup: DriverSetup, config: LanePlannerConfig) -> None:
-        kinematics, self._speed_mps = KinematicLimits(config.limits, setup.vehicle), setup.speed_reference_mps
-        self._config, self._vehicle = config, setup.vehicle
-        self._tentative_limit = (
-            TentativeLimit(config.tentative_obstacles, setup.vehicle, self._speed_mps, setup.rate_hz)
-            if config.tentative_obstacles
-            else None
-        )
-        self._dt_s, self._lost_m = 1.0 / setup.rate_hz, 0.0  # way since the road was seen
-        self._empty = self._geometry(NOTHING)
-        self._field = LateralCost(config.lateral_cost, config.clearance, setup.vehicle, self._speed_mps, kinematics)
-        self._reference = LaneReference(
-            config.reference, config.clearance, setup.vehicle, self._speed_mps, setup.rate_hz, kinematics
-        )
-        self._recovery = (
-            Recovery(config.recovery, config.clearance.edge_m, config.obstacles, setup.vehicle, setup.rate_hz)
-            if config.recovery
-            else None
-        )
+        self._setup, self._config = setup, config
+        kinematics, tentative_m = KinematicLimits(config, setup.vehicle), config.tentative_m
+        self._empty = ObstacleGeometry(NOTHING, config, setup)
+        self._cost = LateralCost(config, setup, kinematics)
+        self._reference = LaneReference(config, setup, kinematics)
+        self._tentative_limit = None if tentative_m is None else TentativeLimit(tentative_m, config.braking, setup)
+        self._recovery = Recovery(config.recovery, config, setup) if config.recovery else None
+        self._lost_m = 0.0  # way since the road was seen
 
     @property
     def is_recovering(self) -> bool:
         """Whether a manoeuvre out of a dead end is driven."""
-        return self._recovery is not None and self._recovery.is_driven
+        return self._recovery is not None and self._recovery.manoeuvre is not None
 
     def step(self, perception: Perception, observation: Observation) -> tuple[Force, Reference, LanePlan]:
         road, out = perception.road, self._recovery
         lane = locate(road) if out is None else out.lane(road, observation)
-        obstacles = place(perception.obstacles, lane, self._config.obstacles.parts)
-        geometry = self._geometry(obstacles) if len(obstacles) else self._empty
-        potential = self._field.update(lane, geometry, observation.speed_mps)
-        wanted = self._reference.update(lane, geometry, potential.minimum_m, observation.yaw_rad, observation.speed_mps)
-        slowed = self._slowed(wanted, perception, lane, potential.minimum_m, observation.speed_mps)
+        obstacles = place(perception.obstacles, lane)
+        geometry = ObstacleGeometry(obstacles, self._config, self._setup) if len(obstacles) else self._empty
+        cost = self._cost.update(lane, geometry, observation.speed_mps)
+        wanted = self._reference.update(lane, geometry, cost.minimum_m, observation.yaw_rad, observation.speed_mps)
+        slowed = self._slowed(wanted, perception, lane, cost.minimum_m, observation.speed_mps)
         turned = self._recovered(lane, perception.obstacles, observation, wanted)
         reference = slowed if turned is None else turned
-        plan = LanePlan(lane, obstacles, potential, self._reference.y_m)
-        return _force(potential, lane.y_m), reference, plan
-
-    def _geometry(self, obstacles: LaneObstacles) -> ObstacleGeometry:
-        return ObstacleGeometry(
-            obstacles, self._config.obstacles, self._config.clearance, self._vehicle, self._speed_mps
-        )
+        plan = LanePlan(lane, obstacles, cost, self._reference.y_m)
+        return _force(cost, lane.y_m), reference, plan
 
     def _slowed(
         self, reference: Reference, perception: Perception, lane: Lane, goal_m: float, speed_mps: float
@@ -92,23 +64,21 @@ class LanePlanner:
         """The reference, slowed before tentative obstacles, by the clear distance and where the road is not seen."""
         allowed, config = inf, self._config
         if config.clear_distance is not None:
-            allowed = speed_within_clear_distance(
-                perception.low_range_m, self._speed_mps, config.clear_distance, self._vehicle
-            )
-        if config.lost_road is not None:
-            allowed = min(allowed, self._on_road(config.lost_road, perception.road, speed_mps))
+            sight_m = perception.low_range_m
+            allowed = speed_within_clear_distance(sight_m, config.clear_distance, config.braking, self._setup)
+        allowed = min(allowed, self._on_road(perception.road, speed_mps))
         if self._tentative_limit is not None and perception.tentative is not None:
-            tentative = place(perception.tentative, lane, self._config.obstacles.parts)
+            tentative = place(perception.tentative, lane)
             allowed = self._tentative_limit.update(lane, tentative, goal_m, speed_mps, allowed)
         return replace(reference, speed_mps=allowed) if allowed < reference.speed_mps else reference
 
-    def _on_road(self, config: LostRoadConfig, road: RoadEdges, speed_mps: float) -> float:
+    def _on_road(self, road: RoadEdges, speed_mps: float) -> float:
         """m/s at most where the road is not seen, 0 after some way without it; inf where it is seen."""
         if max(road.confidence, road.lane_confidence) > 0.0:
             self._lost_m = 0.0
             return inf
-        self._lost_m += speed_mps * self._dt_s
-        return config.speed_mps if self._lost_m < config.way_m else 0.0
+        self._lost_m += speed_mps * (1.0 / self._setup.rate_hz)
+        return self._config.lost_road_mps if self._lost_m < self._config.lost_road_m else 0.0
 
     def _recovered(
         self, lane: Lane, obstacles: Obstacles, observation: Observation, wanted: Reference
@@ -119,18 +89,18 @@ class LanePlanner:
         """
         if self._recovery is None:
             return None
-        was_driven = self._recovery.is_driven
+        was_driven = self.is_recovering
         turned = self._recovery.update(lane, obstacles, observation, wanted)
         if was_driven or turned is not None:
             self._lost_m = 0.0
-            self._field.keep(lane.y_m)
+            self._cost.keep(lane.y_m)
             self._reference.restart(observation.speed_mps)
         return turned
 
 
-def _force(potential: LanePotential, y_m: float) -> Force:
+def _force(cost: CostProfile, y_m: float) -> Force:
     """-grad U at the vehicle, for display: across the road, with the target's pull of 1 along it."""
     forces = np.array([[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
-    forces[:, 1] = -potential.slope(y_m)
+    forces[:, 1] = -cost.slope(y_m)
     target, road, obstacle = forces
     return Force(target, obstacle, road, target + obstacle + road)

@@ -1,8 +1,6 @@
-"""The stopping distance, v t + v^2 / (2 b).
+"""The stopping distance, v t + v^2 / (2 b), and its inverse."""
 
-Each use has a deceleration b by how certain the obstacle is: the lowest before a blocked road, more before an obstacle
-that is too near to be passed on the chosen side, the most before what is not seen yet.
-"""
+from math import sqrt
 
 import numpy as np
 
@@ -13,3 +11,8 @@ def stopping_way(speed_mps: Floats | float, brake_mps2: float, reaction_s: float
     """m until the car stands."""
     way: Floats = np.asarray(speed_mps**2 / (2.0 * brake_mps2) + speed_mps * reaction_s)
     return way
+
+
+def stopping_speed(way_m: float, brake_mps2: float, reaction_s: float) -> float:
+    """m/s from which the car stands after a way; 0 where there is none."""
+    return brake_mps2 * (sqrt(reaction_s**2 + 2.0 * max(way_m, 0.0) / brake_mps2) - reaction_s)

@@ -1,8 +1,7 @@
 """From the variant `full-frame` to the variant `robust`, one change at a time: the steps of the ablation.
 
-Each step is a variant of its own: all changes up to its own are made, those after it are not. The order is one in
-which every step runs. What cannot stand alone goes together: the valley has its own target, obstacle and road field and
-goes by the bodies on the road, so landmarks and the three potentials come in with it at once.
+Each step is a variant of its own: all changes up to its own are made, those after it are not. The lane planner needs
+static obstacles, so both come in together.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,26 +22,18 @@ class Change:
     held: Mapping[str, object] = field(default_factory=dict)
 
 
+DECISIONS = tuple(f"lane_planner.lateral_cost.{key}" for key in ("memory", "latch", "beside"))
+SPEED_LIMITS = tuple(f"lane_planner.{key}" for key in ("speed", "clear_distance", "tentative_m", "recovery"))
 CHANGES = (
-    Change(
-        "flow",
-        "flow: 20 looks a second, features spread over the road and topped up, checked forward and backward",
-        ("flow",),
-    ),
+    Change("flow", "flow: 20 frames a second, points spread over the road, checked forward and backward", ("flow",)),
     Change(
         "focus_of_expansion",
         "focus of expansion: derotated, RANSAC and reweighting; time to contact by the expansion of clusters",
         ("focus_of_expansion", "time_to_contact"),
     ),
+    Change("obstacle-test", "obstacle map: absolute test against the noise instead of Otsu", ("obstacle_map.method",)),
     Change(
-        "obstacle-test",
-        "obstacle map: absolute test against the noise instead of Otsu",
-        ("obstacle_map.method",),
-    ),
-    Change(
-        "boundary-layer",
-        "controller: boundary layers instead of sign, and the gains that go with them",
-        ("gains",),
+        "boundary-layer", "controller: boundary layers instead of sign, and the gains that go with them", ("gains",)
     ),
     Change(
         "camera_pitch",
@@ -51,55 +42,27 @@ CHANGES = (
     ),
     Change(
         "lane_planner",
-        "fields: landmarks, and the lowest place across the lane instead of the force at the vehicle",
+        "planner: static obstacles, and the minimum of a lateral cost instead of the force",
         ("static_obstacles", "lane_planner", "paper_planner", "obstacle_map"),
-        {
-            "lane_planner.lateral_cost.memory": None,
-            "lane_planner.lateral_cost.latch": None,
-            "lane_planner.lateral_cost.beside": None,
-            "lane_planner.reference.path": None,
-            "lane_planner.reference.speed": None,
-            "lane_planner.clear_distance": None,
-            "lane_planner.lost_road": None,
-            "lane_planner.tentative_obstacles": None,
-            "lane_planner.recovery": None,
-        },
+        dict.fromkeys((*DECISIONS, "lane_planner.path", *SPEED_LIMITS)),
     ),
     Change(
         "memory",
-        "decisions are kept: leaving the last minimum or changing the side of a near body costs",
-        (
-            "lane_planner.lateral_cost.memory",
-            "lane_planner.lateral_cost.latch",
-            "lane_planner.lateral_cost.beside",
-        ),
+        "lateral cost: leaving the last minimum or changing the side of a near obstacle costs",
+        DECISIONS,
     ),
     Change(
         "least-jerk",
-        "reference: glides to the minimum with least jerk, through the lag of the vehicle, its rate known",
-        ("lane_planner.reference.path",),
+        "reference: a path to the minimum with least jerk, and its heading rate",
+        ("lane_planner.path",),
     ),
     Change(
         "speed",
-        "speed by what is ahead: bends, bodies not cleared in time, a stop where no side is free",
-        (
-            "lane_planner.reference.speed",
-            "lane_planner.clear_distance",
-            "lane_planner.lost_road",
-            "lane_planner.tentative_obstacles",
-            "lane_planner.recovery",
-        ),
+        "speed limits by bends, obstacles and sensing range; recovery",
+        SPEED_LIMITS,
     ),
-    Change(
-        "road",
-        "road: how the carriageway's edges are found and followed",
-        ("road_edges",),
-    ),
-    Change(
-        "moving_obstacles",
-        "moving bodies told from standing ones: overtaken or followed",
-        ("moving_obstacles",),
-    ),
+    Change("road", "road: how the edges of the carriageway are found and followed", ("road_edges",)),
+    Change("moving_obstacles", "moving obstacles are overtaken or followed", ("moving_obstacles",)),
 )
 
 

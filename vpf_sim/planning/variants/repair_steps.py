@@ -6,11 +6,7 @@ Two ways to ask what a repair is for: made one after the other, and taken back a
 from vpf_sim.planning.variants.ablation_steps import Change, Table, steps, taken_over
 
 REPAIRS = (
-    Change(
-        "flow",
-        "flow: chained over 0.1 s, since one frame's flow is below a pixel at 60 Hz",
-        ("flow",),
-    ),
+    Change("flow", "flow: chained over 0.1 s, since one frame's flow is below a pixel at 60 Hz", ("flow",)),
     Change(
         "focus",
         "focus of expansion and time to contact: right closed form, without rotation and outliers",
@@ -46,27 +42,16 @@ REPAIRS = (
         "obstacle map: what the road's own flow does not explain, instead of Otsu on the flow's length",
         ("obstacle_map.method",),
     ),
-    Change(
-        "region",
-        "obstacle map: the region of interest",
-        ("obstacle_map.region",),
-    ),
+    Change("region", "obstacle map: the region of interest", ("obstacle_map.region",)),
     Change(
         "weights",
         "obstacle field: gamma, |R|, sigma, weight of a point",
         (
-            "paper_planner.obstacle_field.gamma",
-            "paper_planner.obstacle_field.area",
-            "obstacle_map.sigma_px",
-            "obstacle_map.normalisation",
-            "obstacle_map.weight",
+            *("paper_planner.obstacle_field.gamma", "paper_planner.obstacle_field.area"),
+            *("obstacle_map.sigma_px", "obstacle_map.normalisation", "obstacle_map.weight"),
         ),
     ),
-    Change(
-        "controller",
-        "controller: the heading reference's rate is low-passed; c_r, u_0",
-        ("gains", "controller"),
-    ),
+    Change("controller", "controller: low-passed rate of the heading reference; c_r, u_0", ("gains", "controller")),
 )
 MADE, WITHOUT = "repair-", "without-"  # before the name of a repair: all up to it are made; only it is taken back
 

@@ -1,1 +1,1 @@
-"""Speed limits: by bends and obstacles, by what can be seen, by tentative obstacles, and creep."""
+"""Speed limits: by bends and obstacles, by the clear distance, and by tentative obstacles."""

@@ -1,12 +1,12 @@
-"""Top view of the potential field: road, obstacles, and the potential across the road with its minimum."""
+"""Top view of a plan: road, obstacles, and the lateral cost with its minimum."""
 
 import cv2
 import numpy as np
 
 from vpf_sim.errors import InputError
 from vpf_sim.planning.lane.frame import LaneObstacles
-from vpf_sim.planning.lane.lateral_cost import LanePotential
-from vpf_sim.planning.lane.plan import LanePlan
+from vpf_sim.planning.lane.lateral_cost import CostProfile
+from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.report.canvas import INK, Canvas, Colour
 from vpf_sim.report.compass import OBSTACLE, REFERENCE, ROAD, TARGET
 from vpf_sim.types import Camera, Floats, Image, Plan
@@ -14,7 +14,7 @@ from vpf_sim.types import Camera, Floats, Image, Plan
 AHEAD_M = 45.0
 MARGIN_M = 1.0  # beyond the carriageway's edges
 PROFILE_SHARE = 0.32  # of the picture's height, for the curves
-HIGHEST = 12.0  # potential at the top of the curves and of the tint
+HIGHEST = 12.0  # cost at the top of the curves and of the tint
 PAPER: Colour = (28, 33, 40)
 
 
@@ -22,17 +22,17 @@ def draw(plan: Plan, width_px: int = 640, height_px: int = 480) -> Image:
     """(H, W, 3) RGB view of a plan of the lane planner; InputError for another plan."""
     details = plan.extra
     if not isinstance(details, LanePlan):
-        raise InputError("field view: expected a plan with a potential across the road, as of the driver vpf")
-    lane, potential = details.lane, details.potential
+        raise InputError("cost view: expected a plan with a lateral cost, as of the driver vpf")
+    lane, cost = details.lane, details.cost
     canvas = Canvas(np.full((height_px, width_px, 3), PAPER, np.uint8), Camera(width_px, height_px))
     base = (1.0 - PROFILE_SHARE) * height_px
     view = _View(lane.left_m - MARGIN_M, lane.right_m + MARGIN_M, width_px, base)
-    _tint(canvas, view, potential.y_m, potential.total)
+    _tint(canvas, view, cost.y_m, cost.total)
     _edges(canvas, view, lane.left_m, lane.right_m)
     _draw_obstacles(canvas, view, details.obstacles)
     _vehicle(canvas, view, lane.y_m)
-    _curves(canvas, view, potential)
-    _minimum(canvas, view, potential.minimum_m, details.reference_y_m)
+    _curves(canvas, view, cost)
+    _minimum(canvas, view, cost.minimum_m, details.reference_y_m)
     _legend(canvas)
     return canvas.frame
 
@@ -53,7 +53,7 @@ class _View:
 
 
 def _tint(canvas: Canvas, view: _View, y_m: Floats, total: Floats) -> None:
-    """Colour the road by the potential, dark where it is low."""
+    """Colour the road by the cost, dark where it is low."""
     columns = view.left_m + (np.arange(canvas.frame.shape[1]) + 0.5) / view.scale
     height = np.clip(np.interp(columns, y_m, total) / HIGHEST, 0.0, 1.0)
     levels = np.asarray(np.rint(215.0 * np.sqrt(height)), np.uint8)[None]  # below the brightest end of the colour map
@@ -84,17 +84,17 @@ def _vehicle(canvas: Canvas, view: _View, y_m: float) -> None:
     canvas.fill([place], INK, 1.0)
 
 
-def _curves(canvas: Canvas, view: _View, potential: LanePotential) -> None:
+def _curves(canvas: Canvas, view: _View, cost: CostProfile) -> None:
     """Plot U(y) below the road: its three parts and their sum."""
     bottom = canvas.frame.shape[0] - 8.0
     for values, colour, width in (
-        (potential.target, TARGET, 1),
-        (potential.road, ROAD, 1),
-        (potential.obstacle, OBSTACLE, 1),
-        (potential.total, INK, 2),
+        (cost.target, TARGET, 1),
+        (cost.road, ROAD, 1),
+        (cost.obstacle, OBSTACLE, 1),
+        (cost.total, INK, 2),
     ):
         height = np.clip(values / HIGHEST, 0.0, 1.0) * (bottom - view.base_px - 16.0)
-        x = (potential.y_m - view.left_m) * view.scale
+        x = (cost.y_m - view.left_m) * view.scale
         canvas.lines([np.stack([x, bottom - height], axis=1)], colour, width)
 
 
@@ -109,7 +109,7 @@ def _minimum(canvas: Canvas, view: _View, minimum_m: float, reference_m: float) 
 def _legend(canvas: Canvas) -> None:
     left = 12.0
     for word, colour in (
-        ("potential: goal", TARGET),
+        ("cost: goal", TARGET),
         ("+ road", ROAD),
         ("+ obstacles", OBSTACLE),
         ("minimum", REFERENCE),

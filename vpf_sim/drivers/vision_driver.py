@@ -1,4 +1,4 @@
-"""The driver under test: the Visual Potential Field planner in a variant, and the sliding mode controller behind it."""
+"""The driver under test: perception, planner and sliding mode controller of a variant."""
 
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from vpf_sim.planning.variant import Variant
 
 
-class FieldDriver(Driver):
-    """The Visual Potential Field planner in a variant by name or file, with the sliding mode controller it names."""
+class VisionDriver(Driver):
+    """Drives by camera with a variant, given by name or file."""
 
     privileged: Privilege = "none"
 
