@@ -11,14 +11,11 @@ from lane_planner import (
     CLEARANCE,
     LIMITS,
     ROBUST,
-    SPEED_MPS,
     geometry,
-    lane_reference,
     lateral_cost,
     straight_lane,
 )
 
-from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.planning.lane.frame import NOTHING, Lane, LaneObstacles, locate, place
 from vpf_sim.planning.lane.lateral_cost import LateralCost
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
@@ -172,34 +169,3 @@ def test_a_gap_beside_the_edge_is_chosen_before_a_place_that_touches(side: float
     free_m = side * minimum_m - (5.25 - gap_m) - 0.5 * CAR.width_m
     assert (free_m > 0.11) == passes
     assert 5.25 - side * minimum_m - 0.5 * CAR.width_m > 0.09
-
-
-@pytest.mark.parametrize("way_m", [10.2, 10.5, 10.8])
-def test_a_gap_beside_the_edge_that_is_chosen_is_gone_through(way_m: float) -> None:
-    """The same row, in a closed loop from 5.55 m/s: what has been begun is not given up halfway."""
-    row, car, past = [(-2.2, 2.65), (-12.0, -6.2)], Bicycle(speed_mps=SPEED_MPS), way_m + CAR.length_m + 2.0
-    one, hands = field(replace(LANE, left_m=-12.0)), Gtsmc(load_gains("robust"), CAR, 60.0)
-    path = lane_reference()
-    one.keep(4.0)
-    while car.x_m < past and car.time_s < 15.0:
-        lane = Lane(car.y_m, 5.25, -12.0, -car.yaw_rad, 0.0)
-        ahead = bodies(*((way_m + 0.5 * CAR.length_m - car.x_m, *body) for body in row))
-        minimum_m = one.update(lane, ahead, car.speed_mps).minimum_m
-        reference = path.update(lane, ahead, minimum_m, car.yaw_rad, car.speed_mps)
-        car.step(hands.command(car.observe(), reference))
-    assert car.x_m >= past
-    assert car.y_m > 2.65 + 0.5 * CAR.width_m
-
-
-@pytest.mark.parametrize("side", [-1.0, 1.0])
-@pytest.mark.parametrize(("face_m", "width_m", "leaves"), [(12.0, 2.5, True), (12.0, 2.0, False), (22.0, 2.5, False)])
-def test_a_pedestrian_beside_a_truck_is_of_its_row_though_his_face_is_farther(
-    side: float, face_m: float, width_m: float, leaves: bool
-) -> None:
-    """He stands 7 m behind its face, where a car has ended: farther off than obstacles count otherwise. Between them it
-    is narrow, on the other side of the truck is more room. From far off neither is near enough for a choice."""
-    lane = Lane(0.0, 8.75, -8.75, 0.0, 0.0)
-    truck, person = ((a * side, b * side) for a, b in ((-0.5 - width_m, -0.5), (2.9, 3.4)))
-    along_m = face_m + 0.5 * CAR.length_m
-    minimum = field(lane).update(lane, bodies((along_m, *sorted(truck)), (along_m + 7.0, *sorted(person)))).minimum_m
-    assert (side * minimum < -3.0) == leaves
