@@ -51,51 +51,10 @@ class ObstacleConfig:
 
 
 @settings
-class TailConfig:
-    height: float = setting("h_t", ge=0.0)
-    decay_m: float = setting("d_t", gt=0.0)
-
-
-@settings
-class RowCostConfig:
-    height: float = setting("h_r, at no gap", ge=0.0)
-    gap_m: float = setting("b_r, a wider gap costs nothing", gt=0.0)
-
-
-@settings
-class MemoryConfig:
-    height: float = setting("for leaving the surroundings of the last minimum", ge=0.0)
-    reach_m: float = setting("of these surroundings", gt=0.0)
-
-
-@settings
-class NarrowPlanConfig:
-    height: float = setting("of the latch towards a narrow gap", ge=0.0)
-    near_m: float = setting("from the minimum, a car has gone there", gt=0.0)
-
-
-@settings
 class LatchConfig:
-    """The side of an obstacle is kept once it is near."""
-
-    ahead_m: float = setting("an obstacle is near within this way", gt=0.0)
-    height: float = setting("for changing the side", ge=0.0)
-    turned_rad: float | None = setting("A car turned by more keeps its side of farther ones.", default=None, gt=0.0)
-    narrow_plan: NarrowPlanConfig | None = setting("Leaves a narrow gap again while far from it.", default=None)
-    overlap_m: float | None = setting("An overlap with the last minimum that frees the side.", default=None, gt=0.0)
-
-
-@settings
-class CrossingConfig:
-    time_s: float = setting("to get to the other side", gt=0.0)
-    gap_m: float = setting("kept besides", gt=0.0)
-    behind_m: float = setting("a car nearer to the obstacle's middle has chosen no side", ge=0.0)
-
-
-@settings
-class BesideConfig:
-    height: float = setting("for what lies beyond an obstacle beside the car", ge=0.0)
-    crossing: CrossingConfig | None = setting("Crosses behind a moving obstacle if that is safe.", default=None)
+    ahead_m: float = setting("an obstacle is near, from bumper to face", gt=0.0)
+    height: float = setting("for changing the side of a near obstacle", ge=0.0)
+    beside_height: float = setting("for what lies beyond an obstacle beside the car", ge=0.0)
 
 
 @settings
@@ -110,13 +69,7 @@ class LateralCostConfig:
     narrow_height: float = setting("h_n, at no gap", ge=0.0)
     wall_height: float = setting("h_w, at an edge of the road", ge=0.0)
     wall_reach_m: float = setting("d_w, from the edge", gt=0.0)
-    tail: TailConfig | None = setting("Repels from obstacles beyond the clearance wanted.", default=None)
-    row: RowCostConfig | None = setting("Makes narrow gaps in a row of obstacles cost more.", default=None)
-    unstopped_share: float | None = setting("Raises obstacles too near for a stop, if none is free.", default=None)
-    memory: MemoryConfig | None = setting("Makes it cost to leave the last minimum.", default=None)
     latch: LatchConfig | None = setting("Keeps the side of a near obstacle.", default=None)
-    beside: BesideConfig | None = setting("Does not cross an obstacle beside the car.", default=None)
-    unreached_height: float | None = setting("Cost of what the car cannot reach in time.", default=None, ge=0.0)
 
 
 @settings

@@ -86,23 +86,6 @@ class KinematicLimits:
         left, right = self._gaps(lane, rear_y_m)
         return left / self.path_arm_m, right / self.path_arm_m
 
-    def edge_way(self, gap_m: float, left_m: Floats, slope: float) -> Floats:
-        """(K,) m of way before obstacles, to come from one gap to an edge to the smaller one that they leave.
-
-        At walking speed the car, headed at a slope towards the edge, turns to its largest angle and comes near by
-        `path_between`, g' = -g / arm, until the rear axle is abreast of the face. inf where no gap is left.
-        """
-        if self._config.edge is None or gap_m <= 0.0:
-            return np.full_like(left_m, -np.inf)
-        arm = self.path_arm_m
-        steepest = min(gap_m / arm, self._config.walking_ratio)
-        turning = 0.5 * self.radius_m * max(steepest - slope, 0.0) ** 2 / steepest
-        near = np.minimum(np.maximum(left_m, 0.0), gap_m)
-        begins = np.minimum(np.maximum(steepest * arm, near), gap_m)
-        with np.errstate(divide="ignore"):
-            way: Floats = turning + (gap_m - begins) / steepest + arm * np.log(begins / near)
-        return np.where(near < gap_m, way - 0.5 * self._vehicle.length_m - self._vehicle.l_r_m, -np.inf)
-
     def _gaps(self, lane: Lane, y_m: float) -> tuple[float, float]:
         """m between the car at y and the left and the right edge."""
         half_width = 0.5 * self._vehicle.width_m

@@ -34,7 +34,7 @@ class LanePlanner:
         self._setup, self._config = setup, config
         kinematics, tentative_m = KinematicLimits(config, setup.vehicle), config.tentative_m
         self._empty = ObstacleGeometry(NOTHING, config, setup)
-        self._cost = LateralCost(config, setup, kinematics)
+        self._cost = LateralCost(config, setup)
         self._reference = LaneReference(config, setup, kinematics)
         self._tentative_limit = None if tentative_m is None else TentativeLimit(tentative_m, config.braking, setup)
         self._recovery = Recovery(config.recovery, config, setup) if config.recovery else None
@@ -50,7 +50,7 @@ class LanePlanner:
         lane = locate(road) if out is None else out.lane(road, observation)
         obstacles = place(perception.obstacles, lane)
         geometry = ObstacleGeometry(obstacles, self._config, self._setup) if len(obstacles) else self._empty
-        cost = self._cost.update(lane, geometry, observation.speed_mps)
+        cost = self._cost.update(lane, geometry)
         wanted = self._reference.update(lane, geometry, cost.minimum_m, observation.yaw_rad, observation.speed_mps)
         slowed = self._slowed(wanted, perception, lane, cost.minimum_m, observation.speed_mps)
         turned = self._recovered(lane, perception.obstacles, observation, wanted)

@@ -22,7 +22,7 @@ class Change:
     held: Mapping[str, object] = field(default_factory=dict)
 
 
-DECISIONS = tuple(f"lane_planner.lateral_cost.{key}" for key in ("memory", "latch", "beside"))
+LATCH = "lane_planner.lateral_cost.latch"
 SPEED_LIMITS = tuple(f"lane_planner.{key}" for key in ("speed", "clear_distance", "tentative_m", "recovery"))
 CHANGES = (
     Change("flow", "flow: 20 frames a second, points spread over the road, checked forward and backward", ("flow",)),
@@ -44,13 +44,9 @@ CHANGES = (
         "lane_planner",
         "planner: static obstacles, and the minimum of a lateral cost instead of the force",
         ("static_obstacles", "lane_planner", "paper_planner", "obstacle_map"),
-        dict.fromkeys((*DECISIONS, "lane_planner.path", *SPEED_LIMITS)),
+        dict.fromkeys((LATCH, "lane_planner.path", *SPEED_LIMITS)),
     ),
-    Change(
-        "memory",
-        "lateral cost: leaving the last minimum or changing the side of a near obstacle costs",
-        DECISIONS,
-    ),
+    Change("latch", "lateral cost: changing the side of a near obstacle costs", (LATCH,)),
     Change(
         "least-jerk",
         "reference: a path to the minimum with least jerk, and its heading rate",
