@@ -57,6 +57,21 @@ def test_a_lost_road_is_found_again_in_the_lane_in_which_it_was_left() -> None:
             assert edges.confidence == 0.0
 
 
+def test_a_road_that_is_believed_elsewhere_is_given_up_and_found_again_in_its_lane() -> None:
+    """For 0.75 s it is shown turned by 7 degrees, as a long mirror image may: the state is as sure as it is wrong."""
+    camera, place = Camera(), -1.75
+    road, tracker = RoadPicture(camera), RoadEdgeTracker(camera, ROBUST.road_edges, RATE_HZ)
+    for i in range(60):
+        pose = road.pose(i * SPEED_MPS / RATE_HZ, place, 0.0)
+        frame = road.draw(pose + np.array([0.0, 0.0, 0.12 if i < 15 else 0.0]), i)
+        edges = tracker.update(frame, cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), pose, SPEED_MPS, 0.0, None)
+        if i == 14:
+            assert edges.heading_rad == pytest.approx(-0.12, abs=0.02)
+    assert edges.heading_rad == pytest.approx(0.0, abs=0.01)
+    assert edges.right_m == pytest.approx(7.0 - place, abs=0.1)
+    assert edges.confidence > 0.5
+
+
 @pytest.mark.parametrize("lane", [1, 2, 4])
 def test_the_lane_is_known_where_water_hides_half_of_all_lines(lane: int) -> None:
     """Half of the rows of the frame, in strips, show the road without its lines but the left edge's."""

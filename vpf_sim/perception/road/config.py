@@ -110,6 +110,12 @@ class GuessCheckConfig:
 
 
 @settings
+class RefutationConfig:
+    frames: int = setting("consecutive frames in which other lines are visible", ge=1)
+    way_m: float = setting("and the way in which they are", ge=0.0)
+
+
+@settings
 class ObstacleMaskConfig:
     margin_m: float = setting("about an obstacle", ge=0.0)
     nearest_m: float = setting("from the camera; nearer obstacles hide nothing of the patch", gt=0.0)
@@ -200,6 +206,7 @@ class RoadEdgeConfig:
     guess_check: GuessCheckConfig | None = setting(
         "reject a first guess whose lines lead away from a known road", default=None
     )
+    refutation: RefutationConfig | None = setting("lose a road whose lines are elsewhere", default=None)
     obstacle_mask: ObstacleMaskConfig | None = setting("ignore the road that obstacles hide", default=None)
 
     def __post_init__(self) -> None:

@@ -35,6 +35,7 @@ class RoadEdgeTracker:
         self._pose: Floats | None = None
         self._travelled_m, self._judged_m = 0.0, 0.0  # m, now and at the last judgement
         self._frame = -1
+        self._refuted, self._agreed_m = 0, 0.0  # corrections since lines were last where expected, and travel then
         self._pitch_rad: float | None = None  # of the camera against the road, at the last correction
         self._pitch_frame = -1  # of that correction
 
@@ -86,12 +87,23 @@ class RoadEdgeTracker:
     def _correct(self, tracked: LaneFilter, ridges: RidgeMap) -> bool:
         """Whether the lines about their predicted places corrected the state; the road may be lost."""
         agrees = self.matcher.correct(tracked, ridges, self._index.numbers)
-        if not self.matcher.is_sane(tracked.state) or tracked.sigma_m > self.config.lost_sigma_m:
-            self._is_lost = True
+        if agrees is not None:
+            self._refuted = 0 if agrees else self._refuted + 1
+            self._agreed_m = self._travelled_m if agrees else self._agreed_m
+        if self._is_refuted or not self.matcher.is_sane(tracked.state) or tracked.sigma_m > self.config.lost_sigma_m:
+            self._refuted, self._is_lost = 0, True
             return False
         if agrees:
             self._pitch_rad, self._pitch_frame = float(tracked.state[PITCH]), self._frame
         return bool(agrees)
+
+    @property
+    def _is_refuted(self) -> bool:
+        """Whether other lines than the expected ones have been visible for long enough."""
+        config = self.config.refutation
+        if config is None:
+            return False
+        return self._refuted >= config.frames and self._travelled_m > self._agreed_m + config.way_m
 
     def _find(self, image_rgb: Image, ridges: RidgeMap) -> None:
         """Track the road that explains most ridges: about the lost road, or in any lane where none is known."""
@@ -133,6 +145,7 @@ class RoadEdgeTracker:
     def _follow(self, found: LaneFilter) -> None:
         """Track a road that was found in this frame."""
         self._road, self._is_lost = found, False
+        self._refuted, self._agreed_m = 0, self._travelled_m
         self._pitch_rad, self._pitch_frame = float(found.state[PITCH]), self._frame
 
     def _is_known(self, road: LaneFilter | None) -> bool:
