@@ -16,6 +16,7 @@ from vpf_sim.types import (
     Floats,
     Flow,
     KnownFeatures,
+    LowObstacleRange,
     Observation,
     ObstacleMap,
     Obstacles,
@@ -96,7 +97,9 @@ def perceptions(draw: st.DrawFn, pose: Floats) -> Perception:
     sight = draw(st.one_of(st.just((np.inf, np.inf)), st.tuples(near(0.0, 40.0), near(0.0, 40.0))))
     tentative = draw(st.one_of(st.none(), bodies()))
     road, told = draw(roads()), draw(bodies())
-    return Perception(flow(points, pose), foe, KnownFeatures(seen, ttc), told, road, pose, sight, tentative)
+    return Perception(
+        flow(points, pose), foe, KnownFeatures(seen, ttc), told, road, pose, LowObstacleRange(*sight), tentative
+    )
 
 
 @dataclass(frozen=True)
