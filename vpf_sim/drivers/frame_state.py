@@ -39,6 +39,7 @@ class FrameState:
     derotated: Derotated = field(init=False)
     foe: Expansion | None = None  # feedback: prior of the next frame's
     steady_flow: Flow = field(init=False)  # without the camera's pitch
+    pitch_change_rad: float = 0.0  # + looks farther down than in the last frame
 
     # Road
     road: RoadEdges = field(init=False)

@@ -33,7 +33,7 @@ class FrameTrackers:
         return cls(
             FlowTracker(camera, variant.flow, rate_hz),
             RoadEdgeTracker(camera, variant.road_edges, rate_hz),
-            PitchEstimator(camera, variant.camera_pitch) if variant.camera_pitch else None,
+            PitchEstimator(camera, variant.camera_pitch, rate_hz) if variant.camera_pitch else None,
         )
 
 
@@ -63,12 +63,12 @@ class CommonStages:
             stage("flow", self._flow, "grey pose gap_s late", "flow"),
             stage("derotation", self._derotated, "flow", "derotated"),
             stage("focus_of_expansion", self._foe, "flow foe derotated", "foe"),
-            stage("camera_pitch", self._pitch, "flow", "steady_flow"),
+            stage("camera_pitch", self._pitch, "flow foe derotated", "steady_flow pitch_change_rad"),
         ]
 
     def road(self) -> Stage:
         """The carriageway; obstacles of the last frame hide its lines."""
-        return stage("road", self._road, "observation grey pose obstacles", "road road_pitch")
+        return stage("road", self._road, "observation grey pose pitch_change_rad obstacles", "road road_pitch")
 
     def point_features(self) -> Stage:
         """Obstacle map and time to contact of the flow's points, worked out when they are read."""
@@ -94,18 +94,24 @@ class CommonStages:
         config = self.variant.focus_of_expansion
         return focus_of_expansion.estimate(flow, self.camera, config, self._random, before, derotated)
 
-    def _pitch(self, flow: Flow) -> Flow:
+    def _pitch(self, flow: Flow, foe: Expansion, derotated: Derotated) -> tuple[Flow, float]:
         pitch = self.trackers.pitch
-        return flow if pitch is None else pitch.flow(flow)
+        if pitch is None:
+            return flow, 0.0
+        before_rad = pitch.dynamic_rad
+        steady = pitch.update(flow, foe, derotated)
+        return steady, pitch.dynamic_rad - before_rad
 
     def _mount_pitch(self, road_pitch: tuple[float, float] | None, observation: Observation) -> None:
         if self.trackers.pitch is not None and road_pitch is not None:
             self.trackers.pitch.update_mount_pitch(*road_pitch, observation.time_s)
 
     def _road(
-        self, observation: Observation, grey: Image, pose: Floats, hiding: Obstacles
+        self, observation: Observation, grey: Image, pose: Floats, pitch_change_rad: float, hiding: Obstacles
     ) -> tuple[RoadEdges, tuple[float, float] | None]:
         road = self.trackers.road
+        if self.trackers.pitch is not None:
+            road.turn(pitch_change_rad)
         motion = (observation.speed_mps, observation.yaw_rate_radps)
         return road.update(observation.image, grey, pose, *motion, hiding), road.pitch
 

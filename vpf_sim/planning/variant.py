@@ -66,7 +66,7 @@ class Variant:
     obstacle_map: ObstacleMapConfig = setting("obstacle map")
     road_edges: RoadEdgeConfig = setting("edges and lanes of the road")
     odometry: OdometryConfig | None = setting("replaces a rough pose by speed and yaw rate", default=None)
-    camera_pitch: PitchConfig | None = setting("takes the camera's mount pitch out of flow and frames", default=None)
+    camera_pitch: PitchConfig | None = setting("takes pitching and mounting out of flow and frames", default=None)
     static_obstacles: StaticObstacleConfig | None = setting("static obstacle tracker", default=None)
     moving_obstacles: MovingObstacleConfig | None = setting("moving-object tracker", default=None)
     controller: ControllerConfig | None = setting("changes of the gains", default=None)

@@ -128,7 +128,7 @@ class ExpansionConfig:
 
 
 @settings
-class PitchConfig:
+class MountPitchConfig:
     """Noise of the observations of the mount pitch, and when its estimate is applied."""
 
     first_sd_rad: float = setting("standard deviation of the mount pitch before any observation", gt=0.0)
@@ -136,6 +136,27 @@ class PitchConfig:
     drift_sd_rad: float = setting("change in a second, as a random walk", gt=0.0)
     least_rad: float = setting("least pitch that is applied; once it is, until half of this", gt=0.0)
     step_rad: float = setting("least change that is applied", gt=0.0)
+
+
+@settings
+class PitchSidesConfig:
+    apart_rad: float = setting("largest difference between the left and the right half of the image, plus", ge=0.0)
+    apart_share: float = setting("this share of the pitch", ge=0.0)
+
+
+@settings
+class DynamicPitchConfig:
+    settle_s: float = setting("time constant of the high-pass that removes the drift of the sum", gt=0.0)
+    smoothness: float = setting("weight of a constant pitch rate within the window", ge=0.0, lt=1.0)
+    least_rad: float = setting("root mean square of the pitch from which it is compensated, until half of this", gt=0.0)
+    least_points: int = setting("least number of points for an estimate", ge=1)
+    sides: PitchSidesConfig | None = setting("smaller pitch of two image halves that disagree", default=None)
+
+
+@settings
+class PitchConfig:
+    dynamic: DynamicPitchConfig | None = setting("compensate the pitching on the springs, by the flow", default=None)
+    mounting: MountPitchConfig | None = setting("compensate the mount pitch, by the road's lines", default=None)
 
 
 @settings

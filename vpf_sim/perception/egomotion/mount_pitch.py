@@ -7,13 +7,13 @@ for a good mounting: hard rain feigns up to 0.03 deg at first.
 
 from math import sqrt
 
-from vpf_sim.perception.egomotion.config import PitchConfig
+from vpf_sim.perception.egomotion.config import MountPitchConfig
 
 
 class MountPitch:
     """The constant part of the pitch: estimated and applied."""
 
-    def __init__(self, config: PitchConfig) -> None:
+    def __init__(self, config: MountPitchConfig) -> None:
         self._config = config
         self._found_rad, self._variance_rad2 = 0.0, config.first_sd_rad**2
         self._time_s: float | None = None

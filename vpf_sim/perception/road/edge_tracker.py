@@ -77,6 +77,13 @@ class RoadEdgeTracker:
             return None
         return self._pitch_rad, self._road.pitch_sigma_rad
 
+    def turn(self, down_rad: float) -> None:
+        """Add a change of the camera's pitch since the last frame."""
+        if self._pitch_rad is not None:
+            self._pitch_rad += down_rad
+        if self._road is not None:
+            self._road.state[PITCH] += down_rad
+
     def _predict(self, pose: Floats) -> None:
         if self._road is not None and self._pose is not None:
             step = (pose[:2] - self._pose[:2]) @ rotation(self._pose[2])

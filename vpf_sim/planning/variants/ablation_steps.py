@@ -37,7 +37,7 @@ CHANGES = (
     ),
     Change(
         "camera_pitch",
-        "the camera's mount pitch is taken out of flow and frames; speed and yaw rate replace a rough pose",
+        "pitching and mounting are taken out of flow and frames; speed and yaw rate replace a rough pose",
         ("camera_pitch", "odometry"),
     ),
     Change(
