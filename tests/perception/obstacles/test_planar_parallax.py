@@ -7,7 +7,7 @@ from driver_settings import optional_sections, static_obstacles, without
 from plated_road import CAMERA, PLATE_M, frame
 
 from vpf_sim.geometry import rotation
-from vpf_sim.perception.obstacles.planar_parallax.config import LowTrackConfig, ParallaxConfig
+from vpf_sim.perception.obstacles.planar_parallax.config import ParallaxConfig
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation, PlanarParallax
 from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks
 from vpf_sim.perception.road.config import OcclusionConfig
@@ -128,32 +128,6 @@ def test_an_observation_waits_while_the_wiper_hides_the_road() -> None:
         looked += [index] if residual.looks and not hidden else []
         residual.update(None if hidden else image, np.zeros(3))
     assert looked == [0, 9, 15, 21]
-
-
-def recorded(places_m: list[float], speed_mps: float = SPEED_MPS, config: LowTrackConfig = TRACKS) -> list[Obstacles]:
-    """Confirmed tracks after each observation so far ahead, one each 0.1 s, straight on."""
-    numbers = iter(range(5))
-    book, found = LowObstacleTracks(config, lambda: next(numbers)), []
-    for k, place in enumerate(places_m):
-        pose = np.array([k * speed_mps / LOOKS_HZ, 0.0, 0.0])
-        book.record([LowObservation(place, -0.4, 0.4, 30.0)] if np.isfinite(place) else [], pose)
-        found.append(book.bodies(pose))
-    return found
-
-
-def test_a_track_is_confirmed_when_it_stays_in_the_world() -> None:
-    step = SPEED_MPS / LOOKS_HZ
-    found = recorded([12.0 - k * step for k in range(6)] + [np.nan] * 30)
-    assert [len(bodies) for bodies in found[:4]] == [0, 0, 1, 1]
-    last = found[20]
-    assert last.forward_m[0] == pytest.approx(12.0 - 20 * step)
-    assert (last.left_m[0], last.right_m[0]) == pytest.approx((-0.4, 0.4))
-    assert {int(name) for bodies in found for name in bodies.identity} == {0}
-    assert len(recorded([12.0 - k * step for k in range(6)] + [np.nan] * 40)[-1]) == 0, "pruned once passed"
-
-
-def test_a_track_of_single_flashes_is_pruned() -> None:
-    assert not any(len(bodies) for bodies in recorded([12.0, np.nan, np.nan, np.nan, 9.8, np.nan, np.nan, np.nan, 7.6]))
 
 
 @pytest.mark.parametrize("path", list(optional_sections(CONFIG)))

@@ -8,7 +8,7 @@ import pytest
 
 from vpf_sim.geometry import rotation
 from vpf_sim.perception.road.config import OcclusionConfig
-from vpf_sim.perception.road.occlusion import driven_over, footprints, shadow
+from vpf_sim.perception.road.occlusion import footprints, shadow
 from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges
 
 CONFIG = OcclusionConfig()
@@ -75,29 +75,7 @@ def test_what_moves_covers_also_where_it_was_in_the_older_picture() -> None:
     assert corners[:, 0].max() == pytest.approx(10.0 + CONFIG.sizes.car_length_m)
 
 
-@pytest.mark.parametrize(
-    ("forward_m", "right_m", "sigma_m", "over"),
-    [
-        (9.5, 0.0, 0.5, True),
-        (13.5, 0.9, 0.5, True),
-        (13.5, 1.1, 0.5, False),  # beside it
-        (15.0, 0.0, 0.5, False),  # before it
-        (9.0, 0.0, 0.5, False),  # behind it
-        (13.5, 0.0, 2.0, False),  # who knows where it is
-    ],
-)
-@pytest.mark.parametrize("heading_rad", [0.0, 0.4])
-def test_nothing_stands_where_a_body_drives(
-    forward_m: float, right_m: float, sigma_m: float, over: bool, heading_rad: float
-) -> None:
-    middle = np.array([10.0, 0.0])
-    place = middle + rotation(heading_rad) @ (np.array([forward_m, right_m]) - middle)
-    bodies = moving(10.0, 3.0, sigma_m)
-    assert driven_over(place[None], bodies, road(heading_rad), CONFIG).tolist() == [over]
-    assert driven_over(place[None], bodies.chosen(np.zeros(1, np.bool_)), road(), CONFIG).tolist() == [False]
-
-
-@pytest.mark.parametrize("wrong", [{"beside_m": 0.0}, {"driven_m": -1.0}])
+@pytest.mark.parametrize("wrong", [{"beside_m": 0.0}, {"before_m": -1.0}])
 def test_nonsense_is_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=f"{next(iter(wrong))}: expected"):
         OcclusionConfig(**wrong)
