@@ -8,19 +8,20 @@ import numpy as np
 import pytest
 from bicycle import Bicycle
 from ideal import Body, Eyes, Road, clearance, perception
-from lane_planner import CAR, HALF_M, RECOVERY, ROBUST, SETUP, recovery
+from lane_planner import CAR, HALF_M, RECOVERY, ROBUST, SETUP, recovery, unwrap
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning.lane.config import LanePlannerConfig
-from vpf_sim.planning.lane.frame import Lane, LaneObstacles
+from vpf_sim.planning.lane.frame import Lane, LaneObstacles, place
 from vpf_sim.planning.lane.planner import LanePlanner
 from vpf_sim.planning.lane.recovery import Recovery
-from vpf_sim.planning.lane.recovery_candidates import STEP_M, candidates, separation
+from vpf_sim.planning.lane.recovery_candidates import STEP_M, Blockers, candidates, separation
 from vpf_sim.types import Floats, Obstacles, Reference, RoadEdges
 
 CONFIG = RECOVERY
 BEYOND_M, LOCKS = CONFIG.candidates.beyond_m, CONFIG.candidates.locks
+NEXT_M, BEGINS_M = unwrap(CONFIG.new_obstacles).beyond_m, unwrap(CONFIG.begin).way_m
 LANE = Lane(0.0, 12.0, -12.0, 0.0, 0.0)
 FRONT_M = CAR.l_r_m + 0.5 * CAR.length_m  # from the rear axle
 DEAD_END = (Body(28.0, 0.0, width_m=3.0), Body(28.0, 2.9))  # no gap to the right edge
@@ -120,10 +121,10 @@ def test_the_separation_of_rectangles() -> None:
     straight = candidates(LANE, 0.0, CAR, per_m=1e3, lock=1e-9, config=CONFIG.candidates)  # goes on as it is
     beside = LaneObstacles(np.array([4.0]), np.array([1.5]), np.array([2.5]))
     ahead = LaneObstacles(np.array([5.0]), np.array([-0.5]), np.array([0.5]))
-    apart, edges = separation(straight, LANE, beside, 2.0, CAR, BEYOND_M)
+    apart, edges = separation(straight, LANE, Blockers.of(beside, 2.0, BEYOND_M), CAR, BEYOND_M)
     assert apart[0, 40] == pytest.approx(1.5 - HALF_M)
     assert edges[0] == pytest.approx(12.0 - HALF_M)
-    apart, _ = separation(straight, LANE, ahead, 1.0, CAR, BEYOND_M)
+    apart, _ = separation(straight, LANE, Blockers.of(ahead, 1.0, BEYOND_M), CAR, BEYOND_M)
     assert apart[0, 0] == pytest.approx(5.0 - 0.5 * CAR.length_m)
     assert apart[0].min() < 0.0
 
@@ -132,6 +133,16 @@ def told(speed_mps: float) -> Obstacles:
     """An obstacle of 3 m dead ahead, 3 m before the bumper."""
     one = np.array([5.25]), np.array([-1.5]), np.array([1.5]), np.array([0.1]), np.array([np.inf])
     return Obstacles(*one, identity=np.zeros(1, np.int64), speed_mps=np.array([speed_mps]))
+
+
+def narrow(forward_m: float, right_m: float, half_m: float, identity: int) -> Obstacles:
+    """An obstacle that stands there, vehicle axes."""
+    forward, left, right = (np.array([one]) for one in (forward_m, right_m - half_m, right_m + half_m))
+    name = np.full(1, identity, np.int64)
+    return replace(told(0.0), forward_m=forward, left_m=left, right_m=right, identity=name)
+
+
+ON_THE_WAY = narrow(2.3, 0.0, 0.5, 1)
 
 
 def stood_before(bodies: Obstacles) -> Recovery:
@@ -162,15 +173,83 @@ def test_on_its_manoeuvre_the_car_knows_the_road_by_its_own_motion() -> None:
 
 
 def test_after_it_the_own_lane_is_the_one_it_was() -> None:
-    """The camera finds the road again two lanes off, and later where it is."""
-    out, car = began(), Bicycle(20.0, -3.0, 0.0, 0.8)
-    for _ in range(3000):
-        lane = out.lane(road(-3.0), car.observe())
-        out.update(lane, told(0.0), car.observe(), Reference(0.0, 5.0))
-        if out.manoeuvre is None:
-            break
+    """The road is found again two lanes off, and later where it is."""
+    out, car = began(), Bicycle(3.0, 1.0, 0.8, 0.5)
+    seen = out.lane(road(1.0, -0.8), car.observe())
+    for _ in range(60):
+        out.update(seen, ON_THE_WAY, car.observe(), Reference(0.0, 5.0))
     assert out.manoeuvre is None
+    along = Bicycle(6.0, -3.0, 0.05, 2.0).observe()
     for y_m in (4.1, 4.2, -2.8, -2.7):
-        lane = out.lane(road(y_m), car.observe())
+        lane = out.lane(road(y_m, -0.05), along)
         assert lane.y_m == pytest.approx(y_m - 7.0 * (y_m > 0.0))
         assert lane.right_m - lane.y_m == pytest.approx(12.0 - y_m)
+
+
+@pytest.mark.parametrize(("past_m", "drives"), [(NEXT_M - 0.5, False), (NEXT_M + 0.5, True), (BEYOND_M - 1.0, True)])
+def test_what_is_detected_on_the_way_ends_it_no_farther_than_a_little_past_the_manoeuvre(
+    past_m: float, drives: bool
+) -> None:
+    """A narrow obstacle, detected on the manoeuvre, so far before the front of the car at its end."""
+    out, car = began(), Bicycle(0.2, 0.0, 0.0, CONFIG.speed_mps)
+    course = unwrap(out.manoeuvre)
+    end = int(course.end[0])
+    front_m, y_m = float(course.along_m[0, end]) + FRONT_M, float(course.y_m[0, end])
+    new = narrow(front_m + past_m - car.x_m, y_m, 0.2, 1)
+    for _ in range(30):
+        out.update(LANE, new, car.observe(), Reference(0.0, 0.0))
+    assert (out.manoeuvre is not None) == drives
+
+
+def test_a_car_that_stands_near_an_obstacle_keeps_the_clearance_from_all_that_follows() -> None:
+    """A wide obstacle begins 0.1 m beside the corner, and a narrow one, ahead on the other side, leaves room enough."""
+    beside = narrow(0.5 * CAR.length_m, HALF_M + 0.1 + 1.05, 1.05, 0)
+    both = beside.concatenate(narrow(4.6, -1.2, 0.3, 1))
+    out = stood_before(both)
+    course = unwrap(out.manoeuvre)
+    bodies = Blockers.of(place(both, LANE, ROBUST.obstacles.parts), ROBUST.obstacles.length_m, BEYOND_M)
+    apart, _ = separation(course, LANE, bodies, CAR, BEYOND_M)
+    assert apart[0, 0] == pytest.approx(0.1)
+    assert apart[0, round(BEGINS_M / STEP_M) :].min() >= CONFIG.clearance_m
+
+
+def test_a_car_that_is_turned_and_has_no_manoeuvre_stands() -> None:
+    """A narrow obstacle is detected on the way, right before the car."""
+    out, car = began(), Bicycle(3.0, 1.0, 0.8, 0.5)
+    lane = out.lane(road(1.0, -0.8), car.observe())
+    for _ in range(60):
+        reference = out.update(lane, ON_THE_WAY, car.observe(), Reference(0.0, 5.0))
+    assert out.manoeuvre is None
+    assert reference is not None
+    assert reference.speed_mps == 0.0
+
+
+TURNED = Bicycle(1.0, 0.1, 0.35, 0.0)
+
+
+def begun_again(new: Obstacles) -> tuple[Recovery, Lane]:
+    """A narrow obstacle ends the manoeuvre; the car stands turned and searches again, with a `new` one detected."""
+    out, moves = began(), replace(TURNED, speed_mps=0.5)
+    lane = out.lane(road(0.1, -0.35), TURNED.observe())
+    for _ in range(30):
+        out.update(lane, ON_THE_WAY, moves.observe(), Reference(0.0, 0.0))
+    assert out.manoeuvre is None
+    for _ in range(round(60.0 * CONFIG.standing_s) + 2):
+        out.update(lane, new, TURNED.observe(), Reference(0.0, 0.0))
+    return out, lane
+
+
+def test_what_was_detected_on_a_manoeuvre_is_held_no_farther_against_the_next() -> None:
+    """A narrow obstacle, detected before it begins, too far past its end to count on the way."""
+    first, lane = begun_again(told(0.0))
+    course = unwrap(first.manoeuvre)
+    end = int(course.end[0])
+    along = float(course.along_m[0, end]) + FRONT_M + NEXT_M + 0.5
+    across = float(course.y_m[0, end]) - lane.y_m
+    cosine, sine = np.cos(lane.heading_rad), np.sin(lane.heading_rad)
+    new = narrow(cosine * along - sine * across, sine * along + cosine * across, 0.2, 2)
+    out, lane = begun_again(new)
+    creeps = replace(TURNED, speed_mps=CONFIG.speed_mps)
+    for _ in range(30):
+        out.update(lane, new, creeps.observe(), Reference(0.0, 0.0))
+    assert out.manoeuvre is not None

@@ -27,6 +27,16 @@ class BrakingConfig:
 
 
 @settings
+class PartsConfig:
+    """Which obstacles are a part of another one before them."""
+
+    least_behind_m: float = setting("from the face of the other one to a part, at least", ge=0.0)
+    most_behind_m: float = setting("and at most", gt=0.0)
+    beyond_m: float = setting("a part lies at most so far beyond a side of the other one", ge=0.0)
+    share: float = setting("of a part's width that lies behind the other one, at least", ge=0.0, le=1.0)
+
+
+@settings
 class MeetConfig:
     time_s: float = setting("a moving obstacle is avoided from when it is met in this time", gt=0.0)
     gap_m: float = setting("kept from it besides", ge=0.0)
@@ -45,6 +55,7 @@ class ObstacleConfig:
     row_gap_m: float = setting("a face so far behind the rear of another obstacle is in its row", ge=0.0)
     slower_mps: float = setting("an obstacle is overtaken that is slower than the reference speed by more", ge=0.0)
     beside_m: float = setting("others are avoided only where the way to them is shorter", ge=0.0)
+    parts: PartsConfig | None = setting("Merges what lies behind a face into one longer obstacle.", default=None)
     meet: MeetConfig | None = setting("Leaves moving obstacles alone until they are met soon.", default=None)
     catch_up_s: float | None = setting("Faster obstacles behind that come up in this time count.", default=None, gt=0.0)
     keep_aside_m: float | None = setting("Moving obstacles nearer than this keep the path off.", default=None, gt=0.0)

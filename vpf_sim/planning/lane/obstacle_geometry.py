@@ -102,7 +102,8 @@ class ObstacleGeometry:
         """(K,) m; a wide obstacle may be a truck or a barrier."""
         config = self._config
         long = self.moves | (self.obstacles.width_m > config.truck_width_m)
-        return np.where(long, config.long_m, config.length_m)
+        length: Floats = np.maximum(np.where(long, config.long_m, config.length_m), self.obstacles.length_m)
+        return length
 
     def _weights(self) -> Floats:
         """(K,) 0 .. 1 by the distance; 0 for obstacles that have been passed or are faster."""

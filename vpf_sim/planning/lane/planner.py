@@ -48,7 +48,7 @@ class LanePlanner:
     def step(self, perception: Perception, observation: Observation) -> tuple[Force, Reference, LanePlan]:
         road, out = perception.road, self._recovery
         lane = locate(road) if out is None else out.lane(road, observation)
-        obstacles = place(perception.obstacles, lane)
+        obstacles = place(perception.obstacles, lane, self._config.obstacles.parts)
         geometry = ObstacleGeometry(obstacles, self._config, self._setup) if len(obstacles) else self._empty
         cost = self._cost.update(lane, geometry)
         wanted = self._reference.update(lane, geometry, cost.minimum_m, observation.yaw_rad, observation.speed_mps)
@@ -68,7 +68,7 @@ class LanePlanner:
             allowed = speed_within_clear_distance(sight_m, config.clear_distance, config.braking, self._setup)
         allowed = min(allowed, self._on_road(perception.road, speed_mps))
         if self._tentative_limit is not None and perception.tentative is not None:
-            tentative = place(perception.tentative, lane)
+            tentative = place(perception.tentative, lane, self._config.obstacles.parts)
             allowed = self._tentative_limit.update(lane, tentative, goal_m, speed_mps, allowed)
         return replace(reference, speed_mps=allowed) if allowed < reference.speed_mps else reference
 

@@ -7,15 +7,16 @@ where the camera sees little of the road, so the lane is known by odometry.
 """
 
 from dataclasses import dataclass, replace
-from math import asin, atan, cos, sin, tan
+from itertools import product
+from math import asin, atan, ceil, cos, sin, tan
 
 import numpy as np
 
 from vpf_sim.geometry import vehicle_from_world, wrap_angle
 from vpf_sim.planning.lane.config import LanePlannerConfig
-from vpf_sim.planning.lane.frame import Lane, LaneObstacles, locate, place
+from vpf_sim.planning.lane.frame import Lane, locate, place
 from vpf_sim.planning.lane.kinematic_limits import rear_m
-from vpf_sim.planning.lane.recovery_candidates import STEP_M, Candidates, candidates, separation
+from vpf_sim.planning.lane.recovery_candidates import STEP_M, Blockers, Candidates, candidates, separation
 from vpf_sim.planning.lane.recovery_config import RecoveryConfig
 from vpf_sim.types import DriverSetup, Floats, Observation, Obstacles, Reference, RoadEdges
 
@@ -26,20 +27,22 @@ STRAIGHT_RAD = 0.02  # wheels that turn by less do not slow the car
 
 @dataclass(frozen=True, slots=True)
 class _Start:
-    """Where a manoeuvre began."""
+    """Where a manoeuvre began: lane, pose and obstacles."""
 
     lane: Lane
     pose: Floats  # (3,)
+    blockers: Blockers
+    known: frozenset[int]  # their identities
 
-    def lane_at(self, observation: Observation) -> Lane:
-        """The lane now by odometry."""
+    def lane_at(self, observation: Observation) -> tuple[Lane, float]:
+        """The lane now by odometry, and m along the road from the start."""
         before = self.lane
         ahead, right = vehicle_from_world(np.array([observation.x_m, observation.y_m]), self.pose)
         cosine, sine = cos(before.heading_rad), sin(before.heading_rad)
         along, across = float(cosine * ahead + sine * right), float(cosine * right - sine * ahead)
         bend = before.curvature_per_m * along
         heading = wrap_angle(before.heading_rad + bend - wrap_angle(observation.yaw_rad - float(self.pose[2])))
-        return replace(before, y_m=before.y_m + across - 0.5 * bend * along, heading_rad=heading)
+        return replace(before, y_m=before.y_m + across - 0.5 * bend * along, heading_rad=heading), along
 
 
 class Recovery:
@@ -48,10 +51,14 @@ class Recovery:
     def __init__(self, config: RecoveryConfig, planner: LanePlannerConfig, setup: DriverSetup) -> None:
         self._config, self._obstacles, self._edge_m = config, planner.obstacles, planner.clearance.edge_m
         self._vehicle, self._dt_s = setup.vehicle, 1.0 / setup.rate_hz
-        self._stood_s, self._steering_rad, self._gone_m = 0.0, 0.0, 0.0
-        self._start: _Start | None = None
+        self._stood_s = 0.0
+        self._steering_rad = 0.0
+        self._gone_m = 0.0
+        self._clearance_m = config.clearance_m  # of the manoeuvre
+        self._start: _Start | None = None  # kept until the road is seen again
         self._manoeuvre: Candidates | None = None
-        self._last_m: float | None = None  # y after a manoeuvre: the camera may take another lane for the own one
+        self._left_road = False  # since then lanes are counted here,
+        self._lanes, self._last_m = 0, 0.0  # by how many the seen one is off, and where the car was
 
     @property
     def manoeuvre(self) -> Candidates | None:
@@ -59,30 +66,55 @@ class Recovery:
         return self._manoeuvre
 
     def lane(self, road: RoadEdges, observation: Observation) -> Lane:
-        """The lane by odometry on a manoeuvre, else as the camera sees it, counted from the own one."""
-        if self._manoeuvre is not None and self._start is not None:
-            lane = self._start.lane_at(observation)
-            self._last_m = lane.y_m
+        """The lane as the camera sees it, or by odometry until both agree.
+
+        The camera may take another lane for the own one on the way; odometry tells which it is.
+        """
+        seen = locate(road)
+        if self._start is None:
+            if self._left_road:
+                self._lanes = _lanes(self._last_m - seen.y_m, road)
+            return self._counted(seen, road)
+        config, (lane, along) = self._config.relocation, self._start.lane_at(observation)
+        if config is None and self._manoeuvre is None:
+            self._start = None
+            return self._counted(seen, road)
+        lanes = _lanes(lane.y_m - seen.y_m, road)
+        aside = seen.y_m + lanes * road.lane_width_m - lane.y_m
+        if config is None:
             return lane
-        lane = locate(road)
-        if self._last_m is None:
-            return lane
-        shift_m = round((self._last_m - lane.y_m) / road.lane_width_m) * road.lane_width_m
-        self._last_m = lane.y_m + shift_m
-        return replace(lane, y_m=self._last_m, left_m=lane.left_m + shift_m, right_m=lane.right_m + shift_m)
+        agrees = abs(aside) < config.lateral_m and abs(seen.heading_rad - lane.heading_rad) < config.heading_rad
+        is_back = agrees and abs(lane.heading_rad) < self._config.back_rad
+        if self._manoeuvre is None and (is_back or along > config.way_m):
+            self._start, self._lanes = None, lanes
+            return self._counted(seen, road)
+        return lane
+
+    def _counted(self, seen: Lane, road: RoadEdges) -> Lane:
+        """The lane as the camera sees it, shifted to the own one."""
+        counted = _shifted(seen, self._lanes * road.lane_width_m)
+        self._last_m = counted.y_m
+        return counted
 
     def update(
         self, lane: Lane, obstacles: Obstacles, observation: Observation, reference: Reference
     ) -> Reference | None:
-        """The reference on the manoeuvre after a step of 1 / rate_hz; None where none is driven."""
+        """The reference on the manoeuvre after a step of 1 / rate_hz; None where none is driven.
+
+        A car that is still turned when its manoeuvre is blocked stands until there is another one.
+        """
         self._estimate_steering(observation)
+        turned = self._start is not None and abs(lane.heading_rad) > self._config.back_rad
         if self._manoeuvre is None:
-            stands = observation.speed_mps < STANDING_MPS and reference.speed_mps < STANDING_MPS
+            stands = observation.speed_mps < STANDING_MPS and (turned or reference.speed_mps < STANDING_MPS)
             self._stood_s = self._stood_s + self._dt_s if stands else 0.0
             if self._stood_s >= self._config.standing_s:
                 self._stood_s -= self._config.again_s
                 self._begin(lane, obstacles, observation)
-        return self._follow(lane, observation)
+        followed = self._follow(lane, obstacles, observation)
+        if followed is None and turned:
+            return Reference(observation.yaw_rad, 0.0, 0.0)
+        return followed
 
     def _estimate_steering(self, observation: Observation) -> None:
         """Estimate the steering angle from the yaw rate; at standstill the wheels stay as they are."""
@@ -97,26 +129,54 @@ class Recovery:
         """Search for a manoeuvre from here; before a moving obstacle the car waits."""
         if np.any((obstacles.speed_mps > 0.0) & (obstacles.forward_m < self._config.ahead_m)):
             return
-        near = place(obstacles, lane)
-        near = near.chosen(near.along_m < self._config.ahead_m)
+        blockers = self._blockers(lane, obstacles, observation)
         per_m = self._config.steering_radps / self._config.steering_mps
-        for lock in self._config.candidates.locks:
-            found = candidates(lane, self._steering_rad, self._vehicle, per_m, lock, self._config.candidates)
-            self._manoeuvre = self._best(found, lane, near)
+        config = self._config.candidates
+        found = [candidates(lane, self._steering_rad, self._vehicle, per_m, lock, config) for lock in config.locks]
+        here, _ = separation(found[0].one(0), lane, blockers, self._vehicle, config.beyond_m)
+        clearances_m = [self._config.clearance_m]
+        if self._config.tight_share is not None:
+            clearances_m += [self._config.tight_share * self._config.clearance_m]
+            clearances_m += [self._kept(clearances_m[-1], here[0])]  # as much as there is now
+        for clearance_m, some in product(dict.fromkeys(clearances_m), found):
+            self._manoeuvre = self._best(some, lane, blockers, clearance_m)
             if self._manoeuvre is not None:
-                self._start, self._gone_m = _Start(lane, observation.pose), 0.0
+                pose = observation.pose
+                self._start = _Start(lane, pose, blockers, frozenset(obstacles.identity.tolist()))
+                self._gone_m, self._clearance_m, self._left_road = 0.0, clearance_m, True
                 return
 
-    def _best(self, found: Candidates, lane: Lane, near: LaneObstacles) -> Candidates | None:
+    def _blockers(self, lane: Lane, obstacles: Obstacles, observation: Observation) -> Blockers:
+        """The obstacles near the car: those at the start of the manoeuvre, and narrow ones detected since.
+
+        Seen at an angle, a known obstacle may be detected once more as a wide one.
+        """
+        length_m, new_config = self._obstacles.length_m, self._config.new_obstacles
+        if self._start is None:
+            blockers = Blockers.of(
+                place(obstacles, lane, self._obstacles.parts), length_m, self._config.candidates.beyond_m
+            )
+        else:
+            _, gone = self._start.lane_at(observation)
+            known = replace(self._start.blockers, along_m=self._start.blockers.along_m - gone)
+            if new_config is None:
+                return known.chosen(known.along_m < self._config.ahead_m)
+            new = np.array([name not in self._start.known for name in obstacles.identity.tolist()], np.bool_)
+            fresh = place(obstacles.chosen(new & (obstacles.width_m < new_config.width_m)), lane, self._obstacles.parts)
+            blockers = known.concatenate(Blockers.of(fresh, length_m, new_config.beyond_m))
+        return blockers.chosen(blockers.along_m < self._config.ahead_m)
+
+    def _best(self, found: Candidates, lane: Lane, blockers: Blockers, clearance_m: float) -> Candidates | None:
         """The drivable candidate that turns least and keeps the largest clearance."""
-        beyond_m, length_m = self._config.candidates.beyond_m, self._obstacles.length_m
-        found = found.chosen(found.end + round(beyond_m / STEP_M) < found.along_m.shape[1])
+        found = found.chosen(found.end + round(self._config.candidates.beyond_m / STEP_M) < found.along_m.shape[1])
         for every in COARSE, 1:  # most candidates fail at a coarse check
             if not len(found):
                 return None
-            apart, edges = separation(found, lane, near, length_m, self._vehicle, beyond_m, every)
-            least = apart.min(axis=1)
-            drivable = (least >= self._config.clearance_m) & (edges >= self._edge_m)
+            apart, edges = separation(found, lane, blockers, self._vehicle, self._config.candidates.beyond_m, every)
+            begins_m = self._config.begin.way_m if self._config.begin is not None else 0.0
+            least = apart[:, ceil(begins_m / STEP_M / every) :].min(axis=1)
+            drivable = (apart.min(axis=1) >= self._kept(clearance_m, apart[0])) & (least >= clearance_m)
+            drivable &= edges >= self._edge_m
             found, least = found.chosen(drivable), least[drivable]
         if not len(found):
             return None
@@ -125,18 +185,49 @@ class Recovery:
         cost = cost - config.clearance_per_m * np.minimum(least, config.enough_m)
         return found.one(int(np.argmin(cost)))
 
-    def _follow(self, lane: Lane, observation: Observation) -> Reference | None:
-        """The reference on the manoeuvre, until the car is along the road again."""
+    def _follow(self, lane: Lane, obstacles: Obstacles, observation: Observation) -> Reference | None:
+        """The reference on the manoeuvre, until it ends or is blocked."""
         if self._manoeuvre is None:
             return None
+        last = int(self._gone_m / STEP_M)
         slip = atan(self._vehicle.l_r_m / self._vehicle.wheelbase_m * tan(self._steering_rad))
         self._gone_m += observation.speed_mps * cos(slip) * self._dt_s  # of the rear axle
         step = int(self._gone_m / STEP_M)
+        rest = self._manoeuvre.rest(step)
+        if step > last:
+            blockers = self._blockers(lane, obstacles, observation)
+            if self._has_ended(step, blockers) or not self._is_free(rest, lane, blockers):
+                self._manoeuvre, self._stood_s = None, 0.0
+                return None
+        return self._reference(rest, self._gone_m / STEP_M - step, lane, observation)
+
+    def _kept(self, clearance_m: float, apart_m: Floats) -> float:
+        """m to obstacles that a manoeuvre keeps: the clearance, or as much as there is where it begins."""
+        if self._config.begin is None:
+            return clearance_m
+        return min(clearance_m, max(float(apart_m[0]), self._config.begin.least_m))
+
+    def _has_ended(self, step: int, blockers: Blockers) -> bool:
+        """Whether the car is along the road again and past all obstacles that may be long."""
+        assert self._manoeuvre is not None
+        if step + 2 >= self._manoeuvre.along_m.shape[1]:
+            return True
         is_past = step > int(self._manoeuvre.end[0]) + round(self._config.settling_m / STEP_M)
-        if is_past or step + 2 >= self._manoeuvre.along_m.shape[1]:
-            self._manoeuvre, self._stood_s = None, 0.0
-            return None
-        return self._reference(self._manoeuvre.rest(step), self._gone_m / STEP_M - step, lane, observation)
+        long = self._config.passing
+        if long is None or not is_past:
+            return is_past
+        front = blockers.along_m - 0.5 * self._vehicle.length_m
+        beside = (front < 0.0) & (blockers.along_m + long.length_m > -0.5 * self._vehicle.length_m)
+        return not bool(np.any(beside & (blockers.width_m > long.width_m)))
+
+    def _is_free(self, rest: Candidates, lane: Lane, blockers: Blockers) -> bool:
+        """Whether the rest of the manoeuvre is free."""
+        if self._config.recheck_share is None:
+            return True
+        here = -self._vehicle.l_r_m * cos(lane.heading_rad)
+        rest = replace(rest, along_m=rest.along_m - rest.along_m[0, 0] + here)
+        apart, _ = separation(rest, lane, blockers, self._vehicle, self._config.candidates.beyond_m)
+        return bool(apart.min() >= self._config.recheck_share * self._kept(self._clearance_m, apart[0]))
 
     def _reference(self, rest: Candidates, share: float, lane: Lane, observation: Observation) -> Reference:
         """Heading, its rate and speed on the manoeuvre, a `share` of a step after the first that is left."""
@@ -149,3 +240,12 @@ class Recovery:
         turns = np.ptp(rest.steering_rad[0, : round(self._config.steering_ahead_m / STEP_M)]) > STRAIGHT_RAD
         speed = self._config.steering_mps if turns else self._config.speed_mps
         return Reference(wrap_angle(heading), speed, (soon - before) / STEP_M * observation.speed_mps)
+
+
+def _lanes(shift_m: float, road: RoadEdges) -> int:
+    """The shift in whole lanes."""
+    return round(shift_m / road.lane_width_m)
+
+
+def _shifted(lane: Lane, shift_m: float) -> Lane:
+    return replace(lane, y_m=lane.y_m + shift_m, left_m=lane.left_m + shift_m, right_m=lane.right_m + shift_m)

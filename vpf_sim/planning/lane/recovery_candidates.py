@@ -18,7 +18,7 @@ import numpy as np
 
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
 from vpf_sim.planning.lane.recovery_config import CandidatesConfig
-from vpf_sim.types import Bools, Floats, VehicleModel
+from vpf_sim.types import Bools, Floats, LateralExtents, VehicleModel
 
 STEP_M = 0.1
 
@@ -126,19 +126,30 @@ def _straight_on(
     )
 
 
+@dataclass(frozen=True, slots=True)
+class Blockers(LateralExtents):
+    """K obstacles of which a candidate keeps clear, in lane coordinates."""
+
+    along_m: Floats  # (K,) nearest face, from the pose
+    left_m: Floats  # (K,) y of the left side
+    right_m: Floats  # (K,) y of the right side
+    length_m: Floats  # (K,) that they are taken to be long
+    beyond_m: Floats  # (K,) how far past its end a candidate keeps clear of each
+
+    @classmethod
+    def of(cls, obstacles: LaneObstacles, length_m: float, beyond_m: float) -> "Blockers":
+        """Obstacles with a least length, and how far past its end a candidate keeps clear of them."""
+        length = np.maximum(obstacles.length_m, length_m)
+        return cls(obstacles.along_m, obstacles.left_m, obstacles.right_m, length, np.full(len(obstacles), beyond_m))
+
+
 def separation(
-    candidates: Candidates,
-    lane: Lane,
-    obstacles: LaneObstacles,
-    length_m: float,
-    vehicle: VehicleModel,
-    beyond_m: float,
-    every: int = 1,
+    candidates: Candidates, lane: Lane, blockers: Blockers, vehicle: VehicleModel, beyond_m: float, every: int = 1
 ) -> tuple[Floats, Floats]:
     """(N, T) m between the car and the nearest obstacle, and (N,) between the car and the edges.
 
-    Rectangles are apart by the largest gap along any of their sides' directions; an obstacle is `length_m`
-    long. A candidate is checked until `beyond_m` past its end, at each of `every` steps.
+    Rectangles are apart by the largest gap along any of their sides' directions. A candidate is checked until
+    `beyond_m` past its end, at each of `every` steps.
     """
     look = slice(None, None, every)
     cosine, sine = np.cos(candidates.turned_rad[:, look]), np.sin(candidates.turned_rad[:, look])
@@ -147,15 +158,15 @@ def separation(
     ahead, aside = half_length * cosine + half_width * np.abs(sine), half_length * np.abs(sine) + half_width * cosine
     past = np.arange(candidates.along_m.shape[1])[None, look] - candidates.end[:, None]
     edges = np.minimum(y - aside - lane.left_m, lane.right_m - y - aside)
-    apart, counts = np.full(along.shape, np.inf), past <= round(beyond_m / STEP_M)
-    sizes, long = (obstacles.along_m, obstacles.left_m, obstacles.right_m), 0.5 * length_m
-    for face, left, right in zip(*sizes, strict=True):
-        wide = 0.5 * (right - left)
+    apart = np.full(along.shape, np.inf)
+    sizes = (blockers.along_m, blockers.left_m, blockers.right_m, blockers.length_m, blockers.beyond_m)
+    for face, left, right, length, beyond in zip(*sizes, strict=True):
+        long, wide = 0.5 * length, 0.5 * (right - left)
         forward, across = face + long - along, left + wide - y
         own_forward, own_across = cosine * forward + sine * across, cosine * across - sine * forward
         own_long, own_wide = long * cosine + wide * np.abs(sine), long * np.abs(sine) + wide * cosine
         gap = np.maximum(np.abs(forward) - long - ahead, np.abs(across) - wide - aside)
         gap = np.maximum(gap, np.abs(own_forward) - own_long - half_length)
         gap = np.maximum(gap, np.abs(own_across) - own_wide - half_width)
-        apart = np.where(counts, np.minimum(apart, gap), apart)
-    return apart, edges.min(axis=1, where=counts, initial=np.inf)
+        apart = np.where(past <= round(beyond / STEP_M), np.minimum(apart, gap), apart)
+    return apart, edges.min(axis=1, where=past <= round(beyond_m / STEP_M), initial=np.inf)
