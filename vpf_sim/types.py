@@ -363,7 +363,6 @@ class Perception:
     road: RoadEdges
     pose: Floats  # (3,) x m, y m, yaw rad of the vehicle
     low_range_m: LowObstacleRange = UNLIMITED
-    tentative: Obstacles | None = None  # low obstacles that are not confirmed yet
 
 
 @dataclass(frozen=True, slots=True)

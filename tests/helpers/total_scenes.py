@@ -95,11 +95,8 @@ def perceptions(draw: st.DrawFn, pose: Floats) -> Perception:
     seen = ObstacleMap(np.ones(count, np.bool_), np.zeros((6, 8)), gradient, 80)
     foe = Expansion(draw(near(0.0, 639.0)), draw(near(0.0, 479.0)), np.eye(2), np.ones(count, np.bool_), draw(SHARES))
     sight = draw(st.one_of(st.just((np.inf, np.inf)), st.tuples(near(0.0, 40.0), near(0.0, 40.0))))
-    tentative = draw(st.one_of(st.none(), bodies()))
     road, told = draw(roads()), draw(bodies())
-    return Perception(
-        flow(points, pose), foe, KnownFeatures(seen, ttc), told, road, pose, LowObstacleRange(*sight), tentative
-    )
+    return Perception(flow(points, pose), foe, KnownFeatures(seen, ttc), told, road, pose, LowObstacleRange(*sight))
 
 
 @dataclass(frozen=True)

@@ -52,7 +52,6 @@ class FrameState:
     on_moving: Bools | None = None  # (N,) points of the flow on moving obstacles
     detected: Obstacles = field(init=False)  # static ones
     obstacles: Obstacles = field(default_factory=none)  # feedback: they hide the road in the next frame
-    tentative: Obstacles | None = None
     low_range_m: LowObstacleRange = UNLIMITED
 
     # The paper's fields

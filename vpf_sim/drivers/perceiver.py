@@ -8,7 +8,7 @@ from vpf_sim.drivers.frame_state import FrameState
 from vpf_sim.drivers.paper_pipeline import FrameTrackers, paper_pipeline
 from vpf_sim.drivers.robust_pipeline import robust_pipeline
 from vpf_sim.perception.frame_gate import FrameGate
-from vpf_sim.perception.obstacles.prediction import predict, to_current_frame
+from vpf_sim.perception.obstacles.prediction import predict
 from vpf_sim.perception.schedule import Schedule
 from vpf_sim.planning.variant import Variant
 from vpf_sim.timing import timed
@@ -87,22 +87,17 @@ class Perceiver:
             road=state.road,
             pose=pose,
             low_range_m=state.low_range_m,
-            tentative=state.tentative,
         )
 
     @timed("prediction")
     def _predicted(self, last: Perception, observation: Observation, pose: Floats) -> Perception:
         """The last frame's perception at another pose, by the car's own motion and the obstacles' motion."""
-        speed_mps, tentative = observation.speed_mps, last.tentative
-        road = self._trackers.road.carried(pose, speed_mps, observation.yaw_rate_radps)
-        if tentative is not None:
-            tentative = to_current_frame(tentative, last.pose, pose, speed_mps)
+        road = self._trackers.road.carried(pose, observation.speed_mps, observation.yaw_rate_radps)
         return replace(
             last,
             obstacles=self._moved(last, observation, pose),
             road=road,
             pose=pose,
-            tentative=tentative,
             low_range_m=self._low_range(last, observation),
         )
 

@@ -78,7 +78,7 @@ def test_a_car_that_does_not_see_the_road_creeps_on_then_stands_until_it_does(
     speeds = []
     for step in range(60 * (hidden_s + 8)):
         edges = replace(road.edges(car), confidence=0.0 if 60 <= step < 60 * (hidden_s + 1) else 1.0)
-        view = replace(perception(edges, nothing.look(car)), tentative=nothing.look(car))
+        view = perception(edges, nothing.look(car))
         _, reference, _ = way.step(view, car.observe())
         car.step(hands.command(car.observe(), reference))
         speeds.append(car.speed_mps)

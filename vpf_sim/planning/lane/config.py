@@ -22,7 +22,7 @@ class BrakingConfig:
     emergency_mps2: float = setting("deceleration before an obstacle that is too near for comfort", gt=0.0)
     reaction_s: float = setting("until brake or steering takes effect", ge=0.0)
     standoff_m: float = setting("kept when stopping", gt=0.0)
-    cautious_mps: float = setting("least speed where little is seen or an obstacle is tentative", gt=0.0)
+    cautious_mps: float = setting("least speed where little is seen", gt=0.0)
     rise_mps2: float = setting("acceleration of the speed reference", gt=0.0)
 
 
@@ -167,5 +167,4 @@ class LanePlannerConfig:
     path: PathConfig | None = setting("Leads to the minimum with least jerk instead of straight.", default=None)
     speed: SpeedConfig | None = setting("Adapts the speed to what is ahead.", default=None)
     clear_distance: ClearDistanceConfig | None = setting("Slows where little of the road is seen.", default=None)
-    tentative_m: float | None = setting("Slows before tentative obstacles within this of the way.", default=None)
     recovery: RecoveryConfig | None = setting("Turns out of a dead end on the tightest curve.", default=None)

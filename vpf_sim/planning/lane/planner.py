@@ -13,7 +13,6 @@ from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.recovery import Recovery
 from vpf_sim.planning.lane.reference import LaneReference
 from vpf_sim.planning.lane.speed.clear_distance import speed_within_clear_distance
-from vpf_sim.planning.lane.speed.tentative_obstacles import TentativeLimit
 from vpf_sim.types import DriverSetup, Force, Observation, Obstacles, Perception, PlanDetails, Reference, RoadEdges
 
 
@@ -32,11 +31,10 @@ class LanePlanner:
 
     def __init__(self, setup: DriverSetup, config: LanePlannerConfig) -> None:
         self._setup, self._config = setup, config
-        kinematics, tentative_m = KinematicLimits(config, setup.vehicle), config.tentative_m
+        kinematics = KinematicLimits(config, setup.vehicle)
         self._empty = ObstacleGeometry(NOTHING, config, setup)
         self._cost = LateralCost(config, setup)
         self._reference = LaneReference(config, setup, kinematics)
-        self._tentative_limit = None if tentative_m is None else TentativeLimit(tentative_m, config.braking, setup)
         self._recovery = Recovery(config.recovery, config, setup) if config.recovery else None
         self._lost_m = 0.0  # way since the road was seen
 
@@ -52,24 +50,19 @@ class LanePlanner:
         geometry = ObstacleGeometry(obstacles, self._config, self._setup) if len(obstacles) else self._empty
         cost = self._cost.update(lane, geometry)
         wanted = self._reference.update(lane, geometry, cost.minimum_m, observation.yaw_rad, observation.speed_mps)
-        slowed = self._slowed(wanted, perception, lane, cost.minimum_m, observation.speed_mps)
+        slowed = self._slowed(wanted, perception, observation.speed_mps)
         turned = self._recovered(lane, perception.obstacles, observation, wanted)
         reference = slowed if turned is None else turned
         plan = LanePlan(lane, obstacles, cost, self._reference.y_m)
         return _force(cost, lane.y_m), reference, plan
 
-    def _slowed(
-        self, reference: Reference, perception: Perception, lane: Lane, goal_m: float, speed_mps: float
-    ) -> Reference:
-        """The reference, slowed before tentative obstacles, by the clear distance and where the road is not seen."""
+    def _slowed(self, reference: Reference, perception: Perception, speed_mps: float) -> Reference:
+        """The reference, slowed by the clear distance and where the road is not seen."""
         allowed, config = inf, self._config
         if config.clear_distance is not None:
             sight_m = perception.low_range_m
             allowed = speed_within_clear_distance(sight_m, config.clear_distance, config.braking, self._setup)
         allowed = min(allowed, self._on_road(perception.road, speed_mps))
-        if self._tentative_limit is not None and perception.tentative is not None:
-            tentative = place(perception.tentative, lane, self._config.obstacles.parts)
-            allowed = self._tentative_limit.update(lane, tentative, goal_m, speed_mps, allowed)
         return replace(reference, speed_mps=allowed) if allowed < reference.speed_mps else reference
 
     def _on_road(self, road: RoadEdges, speed_mps: float) -> float:

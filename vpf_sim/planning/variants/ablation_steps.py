@@ -23,7 +23,7 @@ class Change:
 
 
 LATCH = "lane_planner.lateral_cost.latch"
-SPEED_LIMITS = tuple(f"lane_planner.{key}" for key in ("speed", "clear_distance", "tentative_m", "recovery"))
+SPEED_LIMITS = tuple(f"lane_planner.{key}" for key in ("speed", "clear_distance", "recovery"))
 CHANGES = (
     Change("flow", "flow: 20 frames a second, points spread over the road, checked forward and backward", ("flow",)),
     Change(

@@ -1,1 +1,1 @@
-"""Speed limits: by bends and obstacles, by the clear distance, and by tentative obstacles."""
+"""Speed limits: by bends and obstacles, and by the clear distance."""
