@@ -33,7 +33,7 @@ def geometry(obstacles: LaneObstacles) -> ObstacleGeometry:
 
 def lateral_cost(last_m: float | None = None) -> LateralCost:
     """With a minimum that was chosen before, if any."""
-    cost = LateralCost(ROBUST, SETUP)
+    cost = LateralCost(ROBUST, SETUP, LIMITS)
     if last_m is not None:
         cost.keep(last_m)
     return cost

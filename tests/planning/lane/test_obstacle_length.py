@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from lane_planner import ROBUST, geometry
 
-from vpf_sim.planning.lane.frame import Lane, LaneObstacles, locate, place
-from vpf_sim.types import Obstacles, RoadEdges
+from vpf_sim.planning.lane.frame import Lane, LaneObstacles, place
+from vpf_sim.types import Obstacles
 
 LANE = Lane(y_m=0.0, right_m=5.25, left_m=-8.75, heading_rad=0.0, curvature_per_m=0.0)
 
@@ -56,28 +56,3 @@ def test_what_is_as_wide_as_a_truck_is_as_long_though_nothing_is_seen_of_its_sid
     along, left, right = np.full(2, -7.25), np.array([-3.4, 1.3]), np.array([-1.3, 3.8])
     assert weights(LaneObstacles(along, left, right)) == [0.0, 1.0]
     assert weights(LaneObstacles(along - 4.0, left, right)) == [0.0, 0.0]
-
-
-def seen(*rows: tuple[float, float, float, int]) -> LaneObstacles:
-    """What the lane has of obstacles by face, left, right, identity."""
-    forward, left, right, identity = np.array(rows).T
-    unknown = np.full(len(rows), 0.1)
-    road = RoadEdges(-8.75, 5.25, 0.0, 0.0, 0.02, 1.0, 0.0, 3.5)
-    return place(
-        Obstacles(forward, left, right, unknown, unknown, identity.astype(np.int64)),
-        locate(road),
-        ROBUST.obstacles.parts,
-    )
-
-
-def test_a_part_of_an_obstacle_is_no_obstacle_of_its_own() -> None:
-    """An edge low on its side, or points that fell away from its others; not what stands beside or far behind it."""
-    car = (10.0, 0.0, 2.0, 1)
-    assert len(seen(car, (14.0, -0.2, 0.4, 2))) == 1
-    assert len(seen(car, (13.0, -0.5, 0.1, 1))) == 1
-    assert len(seen(car, (13.0, -1.5, 0.1, 1))) == 2
-    assert len(seen(car, (13.0, -0.5, 0.1, 2))) == 2
-    assert len(seen(car, (10.3, 0.2, 0.8, 2))) == 2
-    assert len(seen(car, (20.0, 0.2, 0.8, 2))) == 2
-    assert seen((14.0, -0.2, 0.4, 2), car).along_m.tolist() == [10.0]
-    assert len(seen((10.0, 0.3, 1.5, 1), (15.5, 0.0, 1.8, 2))) == 2, "a car behind a pallet"

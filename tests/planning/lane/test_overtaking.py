@@ -63,6 +63,28 @@ def test_an_obstacle_that_cannot_be_passed_is_followed_at_its_gap(speed_mps: flo
     assert wanted(60.0, speed_mps, SPEED_MPS) == SPEED_MPS
 
 
+@pytest.mark.parametrize(("speed_mps", "room_m", "crosses"), [(3.0, 2.0, False), (3.0, 9.0, True), (5.4, 2.5, True)])
+def test_the_car_does_not_change_sides_behind_an_obstacle_that_is_reached_meanwhile(
+    speed_mps: float, room_m: float, crosses: bool
+) -> None:
+    """An obstacle ahead in the lane to the right; a static one blocks the own lane and the one to the left."""
+    along_m = 0.5 * CAR.length_m + room_m
+    ahead = obstacle(along_m, 3.5, speed_mps)
+    watch = lateral_cost(0.0)
+    wall = LaneObstacles(*(np.array([value]) for value in (14.0, -12.0, 1.0, 0.0)))
+    wide = replace(LANE, right_m=12.0, left_m=-12.0)
+    assert (watch.update(wide, about(ahead, wall)).minimum_m > 4.4) == crosses
+
+
+def test_straight_behind_an_obstacle_that_moves_no_side_is_decided_yet() -> None:
+    """It is detected late, a hand's breadth to the left of our middle, where another leaves no room to its right."""
+    bumper_m = 0.5 * CAR.length_m
+    lead, right = obstacle(bumper_m + 6.8, -0.15, 3.1), obstacle(bumper_m + 2.0, 3.2, 3.9)
+    assert lateral_cost(0.0).update(LANE, about(lead, right)).minimum_m < -2.0
+    beside = replace(LANE, y_m=1.0)
+    assert lateral_cost(1.0).update(beside, about(lead, right)).minimum_m > 0.5
+
+
 def test_what_is_met_later_does_not_push_the_path_to_what_is_being_passed() -> None:
     """A car beside us on the left; one almost as fast far ahead to the right, so that both cannot be kept clear of."""
     beside, far = obstacle(1.0, -1.0, 3.0), obstacle(17.0, 2.6, 4.2)

@@ -11,10 +11,14 @@ from lane_planner import (
     CAR,
     CLEARANCE,
     HALF_M,
+    LIMITS,
+    RATE_HZ,
     ROBUST,
+    SETUP,
     SPEED,
     SPEED_MPS,
     geometry,
+    lateral_path,
     speed_limits,
     straight_lane,
     unwrap,
@@ -22,12 +26,15 @@ from lane_planner import (
 
 from vpf_sim.braking import comfortable_speed, hard_excess
 from vpf_sim.controllers.gtsmc import load_gains
-from vpf_sim.planning.lane.frame import LaneObstacles
+from vpf_sim.planning.lane.frame import Lane, LaneObstacles
+from vpf_sim.planning.lane.lateral_path import LateralPath
+from vpf_sim.planning.lane.speed.limits import SpeedLimits
+from vpf_sim.types import Floats
 
 LOOK = unwrap(SPEED.look)
 NEAR_M, TURNS_M, FULL_MPS2 = SPEED.near_m, SPEED.turn_m, CAR.full_brake_mps2
-FIRM_MPS2 = unwrap(SPEED.firm_mps2)
-FALL_BACK_MPS = SPEED.fall_back_mps
+FIRM_MPS2, MET_S = unwrap(SPEED.firm_mps2), unwrap(SPEED.headed_s)
+FALL_BACK_MPS, FAR_STANDOFF_M = SPEED.fall_back_mps, unwrap(SPEED.far_standoff_m)
 NARROW_M = 0.5 * (CLEARANCE.least_m + CLEARANCE.full_speed_m)
 LANE = straight_lane()
 
@@ -42,6 +49,65 @@ def gate(gap_m: float, way_m: float) -> LaneObstacles:
     inner = HALF_M + gap_m
     rows = ((way_m + BUMPER_M, -inner - 2.0, -inner), (way_m + BUMPER_M, inner, inner + 2.0))
     return LaneObstacles(*np.array(rows).T)
+
+
+def test_the_narrower_the_gap_the_slower_and_without_a_jump() -> None:
+    gaps = np.linspace(CLEARANCE.least_m + 1e-6, CLEARANCE.full_speed_m + 0.05, 50)
+    speeds = np.array([wanted(gate(gap, 2.0)) for gap in gaps])
+    assert speeds[0] == pytest.approx(ROBUST.limits.walking_mps, abs=1e-3)
+    assert speeds[-1] == SPEED_MPS
+    assert np.all(np.diff(speeds) >= 0.0)
+    assert np.diff(speeds).max() < 0.15
+    assert wanted(gate(CLEARANCE.least_m - 0.01, 1.0)) == 0.0  # no longer far enough for a stop in comfort
+
+
+def test_a_gap_is_left_as_slowly_as_it_is_entered() -> None:
+    """Until the rear has passed the obstacles, which are 3.5 m long at least."""
+    through = 2.0 * BUMPER_M + ROBUST.obstacles.length_m
+    before, beside, past = (wanted(gate(NARROW_M, way_m)) for way_m in (0.5, 0.1 - through, -0.1 - through))
+    assert beside == pytest.approx(before, abs=1e-6)
+    assert before < SPEED_MPS == past
+
+
+def test_what_a_gap_allows_does_not_depend_on_the_speed_that_the_car_has() -> None:
+    speeds = [wanted(gate(NARROW_M, 2.0), ROBUST.limits.walking_mps + off) for off in (-0.01, 0.01)]
+    assert speeds[0] == speeds[1] > ROBUST.limits.walking_mps
+
+
+def walk(half_width_m: float, way_m: float, seconds: float) -> Floats:
+    """(N,) m left to an obstacle ahead of a car that follows what is wanted as the controller does."""
+    speed, watch, left = SPEED_MPS, speed_limits(), []
+    for _ in range(round(seconds * RATE_HZ)):
+        body = LaneObstacles(*np.array([[way_m + BUMPER_M, -half_width_m, half_width_m]]).T)
+        error = watch.update(LANE, geometry(body), 0.0, speed) - speed
+        speed = max(0.0, speed + 3.6 * min(max(error, -1.0), 1.0) / RATE_HZ)
+        way_m -= speed / RATE_HZ
+        left.append(way_m)
+    return np.array(left)
+
+
+def test_the_car_stops_and_looks_where_it_can_still_get_aside_before_it_walks_up_to_what_blocks_it() -> None:
+    """An obstacle 1.6 m wide with a side 1.87 m aside, and a wider one."""
+    side = 0.8 + HALF_M + CLEARANCE.least_m
+    least = float(LIMITS.least_way(np.array([side]))[0])
+    assert LIMITS.aside(np.array([least]))[0] == pytest.approx(side)
+    for half_width_m, first in ((0.8, min(least, FAR_STANDOFF_M)), (3.0, FAR_STANDOFF_M)):
+        left = walk(half_width_m, 12.0, 60.0)
+        stops = np.array([first, BRAKING.standoff_m, BRAKING.closest_standoff_m])
+        rests = left[np.flatnonzero(np.abs(np.diff(left)) < 1e-5)]
+        beyond = stops[None] - rests[:, None]  # the car's speed falls a little late
+        near = (beyond > -0.05) & (beyond < 0.35)
+        assert near.any(axis=1).all()
+        assert near.any(axis=0).all()
+
+
+def test_short_stands_do_not_add_up() -> None:
+    watch, walls = speed_limits(), geometry(LaneObstacles(*np.array([[5.0, -1.0, 1.0]]).T))
+    for second in range(10):
+        for _ in range(round(2.0 * RATE_HZ)):
+            assert watch.update(LANE, walls, 0.0, 0.0) == 0.0, second
+        for _ in range(round(0.5 * RATE_HZ)):
+            watch.update(LANE, walls, 0.0, 0.5)
 
 
 def test_no_more_is_asked_for_than_comfort_gives_unless_an_obstacle_is_too_near_for_that() -> None:
@@ -75,6 +141,23 @@ def test_an_obstacle_that_moves_and_is_detected_late_is_fallen_in_behind_in_comf
     assert speed_limits().update(LANE, geometry(too_near), 0.0, body_mps) == pytest.approx(body_mps - FALL_BACK_MPS)
     touching = replace(lead, along_m=np.array([0.1 + BUMPER_M]))
     assert speed_limits().update(LANE, geometry(touching), 0.0, speed_mps) < body_mps - FALL_BACK_MPS
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_car_that_is_headed_at_an_obstacle_leaves_the_time_to_turn_away_from_it(side: float) -> None:
+    """Where the car is it is clear of the obstacle, and shall stay: but as it is headed now it would meet it."""
+
+    def towards(slope: float, body_mps: float, speed_mps: float) -> float:
+        sides = sorted((side * (HALF_M + 0.5), side * 4.0))
+        body = LaneObstacles(*(np.array([one]) for one in (BUMPER_M + 1.5, *sides, body_mps)))
+        lane = Lane(0.0, 9.0, -9.0, -np.arctan(side * slope), 0.0)
+        return speed_limits().update(lane, geometry(body), 0.0, speed_mps)
+
+    assert towards(0.25, 0.0, 2.5) == pytest.approx(1.5 / MET_S)  # its face
+    assert towards(0.1, 0.0, 4.5) == pytest.approx((0.5 / 0.1 - BUMPER_M) / MET_S)  # its flank, farther behind
+    assert towards(0.1, 0.0, 5.5) == comfortable_speed(5.5)  # in comfort
+    assert towards(-0.1, 0.0, 4.5) > 4.4
+    assert towards(0.1, 4.0, 4.5) > 4.4
 
 
 def test_before_a_gap_that_one_obstacle_more_would_close_the_car_looks_while_a_turn_is_left() -> None:
@@ -145,6 +228,83 @@ def test_the_controller_brakes_hard_from_where_the_planner_asks_for_it() -> None
     assert hard_excess(50.0) == load_gains("robust").hard_braking_error_mps
 
 
+def unwound(obstacles: LaneObstacles, path: LateralPath) -> float:
+    """v_d where only the steering slows a path, which need not come to rest."""
+    limits = SpeedLimits(replace(SPEED, rest_m=None), ROBUST, SETUP, LIMITS)
+    return limits.update(LANE, geometry(obstacles), 0.0, 2.0, path)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_the_wheels_are_straight_before_the_path_is_too_steep(side: float) -> None:
+    """On p + b^2 / (2 j) the path is headed most steeply at the wall beside it, and not at all where it is straight."""
+    wall = LaneObstacles(*(np.array([one]) for one in (BUMPER_M - 3.0, *sorted((side * 2.0, side * 5.0)))))
+    glide = lateral_path(0.0, 5.0)
+    glide.slope, glide.bend_per_m = side * 0.05, side * 0.12
+    speed_mps = unwound(wall, glide)
+    assert ROBUST.limits.walking_mps < speed_mps < SPEED_MPS
+    allowed = LIMITS.path_between(geometry(wall).between(LANE, 0.0), 0.0)[side > 0.0]
+    assert 0.05 + 0.12**2 / (2.0 * LIMITS.steering(np.array([speed_mps]))[0]) == pytest.approx(allowed + 0.02, abs=0.01)
+    glide.slope, glide.bend_per_m = side * 0.3, 0.0
+    assert unwound(wall, glide) > SPEED_MPS - 0.1
+
+
+def test_a_car_that_speeds_up_in_a_swerve_does_not_turn_on_towards_what_is_beside() -> None:
+    """A wall on either side of a path that bends towards one: the faster, the later the wheels are straight."""
+    wall = [(BUMPER_M - 3.0, 3.0, 5.0)]
+    steep, gentle = (bent(wall, 0.0, (0.0, 0.15, bend), False) for bend in (0.15, 0.02))
+    assert steep == bent(wall, 0.0, (0.0, 0.15, 0.15), True) < gentle
+
+
+def bent(
+    rows: list[tuple[float, float, float]], minimum_m: float, path: tuple[float, float, float], mirrored: bool
+) -> float:
+    """v_d at 5 m/s on a path (y, slope, bend) before obstacles (face, left, right), or mirrored."""
+    sign = -1.0 if mirrored else 1.0
+    sides = [(face, *sorted((sign * left, sign * right))) for face, left, right in rows]
+    y_m, slope, bend = (sign * one for one in path)
+    glide = lateral_path(y_m, 5.0)
+    glide.slope, glide.bend_per_m = slope, bend
+    lane = Lane(y_m, 9.0, -9.0, -slope, 0.0)
+    return speed_limits().update(lane, geometry(LaneObstacles(*np.array(sides).T)), sign * minimum_m, 5.0, glide)
+
+
+def test_a_path_that_would_run_wide_into_what_stands_beyond_the_gap_is_slowed_and_its_mirror_image_alike() -> None:
+    beyond = [(BUMPER_M + 3.0, 1.5 + HALF_M + 0.5, 5.0)]
+    path = (1.2, 0.35, 0.05)
+    assert bent(beyond, 1.5, path, False) == pytest.approx(2.5)  # no more below 5 m/s than comfort lets it
+    assert bent(beyond, 1.5, path, True) == bent(beyond, 1.5, path, False)
+    assert bent([(BUMPER_M + 3.0, 7.0, 8.0)], 1.5, path, False) > 5.0
+
+
+@pytest.mark.parametrize(("y_m", "slope", "bend"), [(1.6, 0.3, -0.05), (2.0, 0.2, -0.08), (2.25, 0.1, -0.05)])
+def test_a_path_that_leads_away_from_the_only_obstacle_is_not_slowed_by_how_it_comes_to_rest(
+    y_m: float, slope: float, bend: float
+) -> None:
+    passed = [(BUMPER_M + 0.5, -1.0, 1.0)]
+    straight = speed_limits().update(
+        Lane(y_m, 9.0, -9.0, -slope, 0.0), geometry(LaneObstacles(*np.array(passed).T)), 2.3, 5.0
+    )
+    assert bent(passed, 2.3, (y_m, slope, bend), False) == straight
+
+
+def test_a_wall_on_both_sides_slows_a_path_to_the_left_as_one_to_the_right() -> None:
+    wall = [(7.0, -5.0, 5.0)]
+    assert bent(wall, 0.0, (0.0, 0.2, 0.0), False) == bent(wall, 0.0, (0.0, 0.2, 0.0), True)
+
+
 def test_a_gap_that_proves_narrow_beside_the_car_is_no_reason_to_brake_beyond_comfort() -> None:
     for gap_m in (0.17, 0.13, 0.0):
         assert wanted(gate(gap_m, -1.0), 5.0) >= comfortable_speed(5.0)
+
+
+def test_the_nearer_side_is_one_where_no_other_obstacle_stands() -> None:
+    """Two obstacles without room between them; their outer sides are 3.5 and 4.5 m from the middle."""
+    rows = np.array([(8.0, -1.0, 0.9), (8.0, 1.5, 2.5)])
+    free = geometry(LaneObstacles(*rows.T)).nearer_side(LANE)
+    assert free[0] == pytest.approx(1.0 + HALF_M + CLEARANCE.least_m)
+    to_the_left = np.array([(8.0, -1.0, 0.9), (8.0, -3.0, -1.5)])
+    assert geometry(LaneObstacles(*to_the_left.T)).nearer_side(LANE)[0] == pytest.approx(
+        0.9 + HALF_M + CLEARANCE.least_m
+    )
+    both = np.array([(8.0, -1.0, 0.9), (8.0, 1.5, 9.0), (8.0, -9.0, -1.5)])
+    assert np.all(geometry(LaneObstacles(*both.T)).nearer_side(LANE) == 0.0)

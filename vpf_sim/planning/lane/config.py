@@ -22,6 +22,7 @@ class BrakingConfig:
     emergency_mps2: float = setting("deceleration before an obstacle that is too near for comfort", gt=0.0)
     reaction_s: float = setting("until brake or steering takes effect", ge=0.0)
     standoff_m: float = setting("kept when stopping", gt=0.0)
+    closest_standoff_m: float = setting("kept when creeping up to an obstacle", gt=0.0)
     cautious_mps: float = setting("least speed where little is seen", gt=0.0)
     rise_mps2: float = setting("acceleration of the speed reference", gt=0.0)
 
@@ -43,6 +44,11 @@ class MeetConfig:
 
 
 @settings
+class CornerSwingConfig:
+    pass
+
+
+@settings
 class ObstacleConfig:
     """Which obstacles count, and how they lie to each other."""
 
@@ -58,14 +64,57 @@ class ObstacleConfig:
     parts: PartsConfig | None = setting("Merges what lies behind a face into one longer obstacle.", default=None)
     meet: MeetConfig | None = setting("Leaves moving obstacles alone until they are met soon.", default=None)
     catch_up_s: float | None = setting("Faster obstacles behind that come up in this time count.", default=None, gt=0.0)
+    passage_m: float | None = setting("Obstacles nearer than this bound the path like edges.", default=None, gt=0.0)
+    corner_swing: CornerSwingConfig | None = setting("Keeps the car's side off an obstacle beside it.", default=None)
     keep_aside_m: float | None = setting("Moving obstacles nearer than this keep the path off.", default=None, gt=0.0)
 
 
 @settings
+class TailConfig:
+    height: float = setting("h_t", ge=0.0)
+    decay_m: float = setting("d_t", gt=0.0)
+
+
+@settings
+class RowCostConfig:
+    height: float = setting("h_r, at no gap", ge=0.0)
+    gap_m: float = setting("b_r, a wider gap costs nothing", gt=0.0)
+
+
+@settings
+class MemoryConfig:
+    height: float = setting("for leaving the surroundings of the last minimum", ge=0.0)
+    reach_m: float = setting("of these surroundings", gt=0.0)
+
+
+@settings
+class NarrowPlanConfig:
+    height: float = setting("of the latch towards a narrow gap", ge=0.0)
+    near_m: float = setting("from the minimum, a car has gone there", gt=0.0)
+
+
+@settings
 class LatchConfig:
-    ahead_m: float = setting("an obstacle is near, from bumper to face", gt=0.0)
-    height: float = setting("for changing the side of a near obstacle", ge=0.0)
-    beside_height: float = setting("for what lies beyond an obstacle beside the car", ge=0.0)
+    """The side of an obstacle is kept once it is near."""
+
+    ahead_m: float = setting("an obstacle is near within this way", gt=0.0)
+    height: float = setting("for changing the side", ge=0.0)
+    turned_rad: float | None = setting("A car turned by more keeps its side of farther ones.", default=None, gt=0.0)
+    narrow_plan: NarrowPlanConfig | None = setting("Leaves a narrow gap again while far from it.", default=None)
+    overlap_m: float | None = setting("An overlap with the last minimum that frees the side.", default=None, gt=0.0)
+
+
+@settings
+class CrossingConfig:
+    time_s: float = setting("to get to the other side", gt=0.0)
+    gap_m: float = setting("kept besides", gt=0.0)
+    behind_m: float = setting("a car nearer to the obstacle's middle has chosen no side", ge=0.0)
+
+
+@settings
+class BesideConfig:
+    height: float = setting("for what lies beyond an obstacle beside the car", ge=0.0)
+    crossing: CrossingConfig | None = setting("Crosses behind a moving obstacle if that is safe.", default=None)
 
 
 @settings
@@ -80,7 +129,13 @@ class LateralCostConfig:
     narrow_height: float = setting("h_n, at no gap", ge=0.0)
     wall_height: float = setting("h_w, at an edge of the road", ge=0.0)
     wall_reach_m: float = setting("d_w, from the edge", gt=0.0)
+    tail: TailConfig | None = setting("Repels from obstacles beyond the clearance wanted.", default=None)
+    row: RowCostConfig | None = setting("Makes narrow gaps in a row of obstacles cost more.", default=None)
+    unstopped_share: float | None = setting("Raises obstacles too near for a stop, if none is free.", default=None)
+    memory: MemoryConfig | None = setting("Makes it cost to leave the last minimum.", default=None)
     latch: LatchConfig | None = setting("Keeps the side of a near obstacle.", default=None)
+    beside: BesideConfig | None = setting("Does not cross an obstacle beside the car.", default=None)
+    unreached_height: float | None = setting("Cost of what the car cannot reach in time.", default=None, ge=0.0)
 
 
 @settings
@@ -105,6 +160,12 @@ class LimitsConfig:
 
 
 @settings
+class WaitConfig:
+    reaction_s: float = setting("besides the way that the shift takes", ge=0.0)
+    slope: float = setting("of a path that has not left its place yet, at most", gt=0.0)
+
+
+@settings
 class PathConfig:
     speed_mps: float = setting("largest lateral speed", gt=0.0)
     shift_s: float = setting("duration of a shift when there is time", gt=0.0)
@@ -112,6 +173,8 @@ class PathConfig:
     shortest_s: float = setting("shortest duration of a shift", gt=0.0)
     lead_m: float = setting("from the rear axle to the path, at most", gt=0.0)
     slowest_closing_mps: float = setting("speed towards an obstacle, at least, for the time that is left", gt=0.0)
+    wait: WaitConfig | None = setting("Leaves the lane no sooner than it must.", default=None)
+    hold_m: float | None = setting("Stays straight until this near to a row without a gap.", default=None, gt=0.0)
 
 
 @settings
@@ -124,11 +187,32 @@ class CorrectionConfig:
 
 
 @settings
+class RowStopConfig:
+    pass
+
+
+@settings
 class LookConfig:
     gap_m: float = setting("a gap so wide is not closed by one more obstacle", gt=0.0)
     beside_m: float = setting("from the car, what stands bounds the gap", gt=0.0)
     ahead_m: float = setting("way before the row", gt=0.0)
     speed_mps: float = setting("speed there", gt=0.0)
+
+
+@settings
+class NarrowGapConfig:
+    pass
+
+
+@settings
+class UnwindConfig:
+    pass
+
+
+@settings
+class CreepConfig:
+    standing_s: float = setting("at standstill, before each of two stages", gt=0.0)
+    speed_mps: float = setting("of creeping", gt=0.0)
 
 
 @settings
@@ -140,9 +224,16 @@ class SpeedConfig:
     time_gap_s: float = setting("kept from a moving obstacle besides the standoff", ge=0.0)
     fall_back_mps: float = setting("by which a too near moving obstacle is let go ahead", gt=0.0)
     bend_mps2: float | None = setting("Largest lateral acceleration in bends.", default=None, gt=0.0)
+    narrow_gap: NarrowGapConfig | None = setting("Slows beside near obstacles.", default=None)
     turned_m: float | None = setting("Shifts before obstacles; a turned car is so much wider.", default=None, ge=0.0)
+    row_stop: RowStopConfig | None = setting("Stops before the first of a row that is closed.", default=None)
     look: LookConfig | None = setting("Slows before a gap that one more obstacle would close.", default=None)
+    headed_s: float | None = setting("Slows where an obstacle is met sooner.", default=None, gt=0.0)
     firm_mps2: float | None = setting("Brakes in comfort up to this deceleration.", default=None, gt=0.0)
+    rest_m: float | None = setting("Slows a path that runs wide into an obstacle by more.", default=None, ge=0.0)
+    unwind: UnwindConfig | None = setting("Slows until the wheels are straight in time.", default=None)
+    far_standoff_m: float | None = setting("Stops at most so far off to keep a side in reach.", default=None, gt=0.0)
+    creep: CreepConfig | None = setting("Creeps up to what blocks the way after a stand.", default=None)
 
 
 @settings

@@ -17,6 +17,7 @@ import numpy as np
 
 from vpf_sim.planning.lane.config import LanePlannerConfig
 from vpf_sim.planning.lane.frame import Lane
+from vpf_sim.planning.lane.steering_unwind import rest
 from vpf_sim.types import Bools, Floats, VehicleModel
 
 PEAK_SPEED, PEAK_ACCELERATION = 1.4, 4.4  # of a least-jerk shift D in T: 1.4 D / T and 4.4 D / T^2
@@ -48,6 +49,10 @@ class Limits:
         by_steering = np.cbrt(STEERED * shift_m / self.steering_per_m2)
         way: Floats = np.maximum(np.maximum(by_curve, by_slope), by_steering)
         return way
+
+    def rest(self, slope: float, bend_per_m: float) -> tuple[Floats, Floats]:
+        """(N,) m of way until a path can lead along the road, and m across it until then (`steering_unwind`)."""
+        return rest(slope, bend_per_m, self.steering_per_m2, self.tightest_per_m)
 
 
 class KinematicLimits:
@@ -86,6 +91,23 @@ class KinematicLimits:
         left, right = self._gaps(lane, rear_y_m)
         return left / self.path_arm_m, right / self.path_arm_m
 
+    def edge_way(self, gap_m: float, left_m: Floats, slope: float) -> Floats:
+        """(K,) m of way before obstacles, to come from one gap to an edge to the smaller one that they leave.
+
+        At walking speed the car, headed at a slope towards the edge, turns to its largest angle and comes near by
+        `path_between`, g' = -g / arm, until the rear axle is abreast of the face. inf where no gap is left.
+        """
+        if self._config.edge is None or gap_m <= 0.0:
+            return np.full_like(left_m, -np.inf)
+        arm = self.path_arm_m
+        steepest = min(gap_m / arm, self._config.walking_ratio)
+        turning = 0.5 * self.radius_m * max(steepest - slope, 0.0) ** 2 / steepest
+        near = np.minimum(np.maximum(left_m, 0.0), gap_m)
+        begins = np.minimum(np.maximum(steepest * arm, near), gap_m)
+        with np.errstate(divide="ignore"):
+            way: Floats = turning + (gap_m - begins) / steepest + arm * np.log(begins / near)
+        return np.where(near < gap_m, way - 0.5 * self._vehicle.length_m - self._vehicle.l_r_m, -np.inf)
+
     def _gaps(self, lane: Lane, y_m: float) -> tuple[float, float]:
         """m between the car at y and the left and the right edge."""
         half_width = 0.5 * self._vehicle.width_m
@@ -112,6 +134,13 @@ class KinematicLimits:
         turning = way**2 / (PEAK_ACCELERATION * self.radius_m)
         aside: Floats = np.minimum(turning, way * self._config.walking_ratio / MEAN_SLOPE)
         return aside
+
+    def least_way(self, shift_m: Floats) -> Floats:
+        """m, the way on which each shift is just possible: the inverse of `aside`."""
+        shift = np.maximum(shift_m, 0.0)
+        turning = np.sqrt(PEAK_ACCELERATION * self.radius_m * shift)
+        least: Floats = np.maximum(turning, shift * MEAN_SLOPE / self._config.walking_ratio)
+        return least
 
     def reaches(self, way_m: Floats, shift_m: Floats, slope: float) -> Bools:
         """(K,) whether shifts are possible at all for a car headed at a slope towards them (`brought`)."""

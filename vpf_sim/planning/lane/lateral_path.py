@@ -15,7 +15,7 @@ fifth order) from place y, slope p, bend c to rest at y_m on the way S, S recedi
 For a constant S that is a filter of third order; after a step D it is done in 1.1 S, with an overshoot of 2 %.
 """
 
-from math import copysign, sqrt
+from math import copysign, inf, sqrt
 
 from vpf_sim.planning.lane.config import PathConfig
 from vpf_sim.planning.lane.frame import Lane
@@ -35,14 +35,25 @@ class LateralPath:
         self.slope = 0.0
         self.bend_per_m = 0.0
 
-    def advance(self, lane: Lane, minimum_m: float, time_s: float, speed_mps: float, step_m: float) -> None:
-        """One step towards the minimum, which must be reached in `time_s`."""
+    def advance(
+        self,
+        lane: Lane,
+        minimum_m: float,
+        time_s: float,
+        speed_mps: float,
+        step_m: float,
+        flanks: tuple[float, float] = (inf, inf),
+    ) -> None:
+        """One step towards the minimum, which must be reached in `time_s`.
+
+        With `flanks`, the largest slopes to the left and right, the sides of the car keep off obstacles beside it.
+        """
         error, limits = minimum_m - self.y_m, self._kinematics.limits(speed_mps)
         way = self._way(abs(error), limits, time_s, speed_mps, step_m)
         jerk = (60.0 * error / way - 36.0 * self.slope) / way**2 - 9.0 * self.bend_per_m / way
         most = float(limits.steering_per_m2)
         bend = self.bend_per_m + min(max(jerk, -most), most) * step_m
-        self.bend_per_m = self._bounded(bend, lane, limits, step_m)
+        self.bend_per_m = self._bounded(bend, lane, flanks, limits, step_m)
         self.slope = min(max(self.slope + self.bend_per_m * step_m, -STEEPEST), STEEPEST)
         self.y_m += self.slope * step_m
 
@@ -61,11 +72,13 @@ class LateralPath:
         self._way_m = max(least, min(wanted, self._way_m + step_m))
         return self._way_m
 
-    def _bounded(self, bend_per_m: float, lane: Lane, limits: Limits, step_m: float) -> float:
+    def _bounded(
+        self, bend_per_m: float, lane: Lane, flanks: tuple[float, float], limits: Limits, step_m: float
+    ) -> float:
         """The bend, so that the slope comes to rest at its bounds as fast as the steering turns.
 
-        The bounds are the largest angle and the edges. A slope along an edge falls as the path comes nearer, by
-        slope / arm a metre: there the bend rests.
+        The bounds are the largest angle, the edge and the flank of each side. A slope along an edge falls as the path
+        comes nearer, by slope / arm a metre: there the bend rests. It stays large enough to keep the other flank.
         """
         tightest, ratio, steering = float(limits.tightest_per_m), float(limits.ratio), float(limits.steering_per_m2)
         change = steering * step_m
@@ -75,13 +88,14 @@ class LateralPath:
             """The bend from which a slope comes to rest so much farther on."""
             return copysign(sqrt(half**2 + 2.0 * steering * abs(room)) - half, room)
 
-        def largest_to(edge: float, slope: float) -> float:
-            by_edge = braked(edge - slope) - max(slope, 0.0) / self._kinematics.path_arm_m
-            return min(max(min(braked(ratio - slope), by_edge), -tightest), tightest)
+        def largest_to(edge: float, flank: float, kept: float, slope: float) -> float:
+            by_edge = max(braked(edge - slope) - max(slope, 0.0) / self._kinematics.path_arm_m, braked(kept - slope))
+            return min(max(min(braked(min(ratio, flank) - slope), by_edge), -tightest), tightest)
 
         left, right = self._kinematics.path_between(lane, self.y_m)
-        largest = max(largest_to(right, self.slope), self.bend_per_m - change)
-        least = min(-largest_to(left, -self.slope), self.bend_per_m + change)
+        to_left, to_right = flanks
+        largest = max(largest_to(right, to_right, -to_left, self.slope), self.bend_per_m - change)
+        least = min(-largest_to(left, to_left, -to_right, -self.slope), self.bend_per_m + change)
         if least > largest:
             return 0.5 * (least + largest)
         return min(max(bend_per_m, least), largest)

@@ -33,7 +33,7 @@ class LanePlanner:
         self._setup, self._config = setup, config
         kinematics = KinematicLimits(config, setup.vehicle)
         self._empty = ObstacleGeometry(NOTHING, config, setup)
-        self._cost = LateralCost(config, setup)
+        self._cost = LateralCost(config, setup, kinematics)
         self._reference = LaneReference(config, setup, kinematics)
         self._recovery = Recovery(config.recovery, config, setup) if config.recovery else None
         self._lost_m = 0.0  # way since the road was seen
@@ -48,7 +48,7 @@ class LanePlanner:
         lane = locate(road) if out is None else out.lane(road, observation)
         obstacles = place(perception.obstacles, lane, self._config.obstacles.parts)
         geometry = ObstacleGeometry(obstacles, self._config, self._setup) if len(obstacles) else self._empty
-        cost = self._cost.update(lane, geometry)
+        cost = self._cost.update(lane, geometry, observation.speed_mps)
         wanted = self._reference.update(lane, geometry, cost.minimum_m, observation.yaw_rad, observation.speed_mps)
         slowed = self._slowed(wanted, perception, observation.speed_mps)
         turned = self._recovered(lane, perception.obstacles, observation, wanted)

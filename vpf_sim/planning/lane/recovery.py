@@ -18,10 +18,10 @@ from vpf_sim.planning.lane.frame import Lane, locate, place
 from vpf_sim.planning.lane.kinematic_limits import rear_m
 from vpf_sim.planning.lane.recovery_candidates import STEP_M, Blockers, Candidates, candidates, separation
 from vpf_sim.planning.lane.recovery_config import RecoveryConfig
+from vpf_sim.planning.lane.speed.creep import STANDING_MPS
 from vpf_sim.types import DriverSetup, Floats, Observation, Obstacles, Reference, RoadEdges
 
 COARSE = 8  # steps
-STANDING_MPS = 0.1
 STRAIGHT_RAD = 0.02  # wheels that turn by less do not slow the car
 
 
@@ -151,18 +151,16 @@ class Recovery:
 
         Seen at an angle, a known obstacle may be detected once more as a wide one.
         """
-        length_m, new_config = self._obstacles.length_m, self._config.new_obstacles
+        length_m, parts, new_config = self._obstacles.length_m, self._obstacles.parts, self._config.new_obstacles
         if self._start is None:
-            blockers = Blockers.of(
-                place(obstacles, lane, self._obstacles.parts), length_m, self._config.candidates.beyond_m
-            )
+            blockers = Blockers.of(place(obstacles, lane, parts), length_m, self._config.candidates.beyond_m)
         else:
             _, gone = self._start.lane_at(observation)
             known = replace(self._start.blockers, along_m=self._start.blockers.along_m - gone)
             if new_config is None:
                 return known.chosen(known.along_m < self._config.ahead_m)
             new = np.array([name not in self._start.known for name in obstacles.identity.tolist()], np.bool_)
-            fresh = place(obstacles.chosen(new & (obstacles.width_m < new_config.width_m)), lane, self._obstacles.parts)
+            fresh = place(obstacles.chosen(new & (obstacles.width_m < new_config.width_m)), lane, parts)
             blockers = known.concatenate(Blockers.of(fresh, length_m, new_config.beyond_m))
         return blockers.chosen(blockers.along_m < self._config.ahead_m)
 

@@ -15,12 +15,13 @@ from math import asin, exp, sqrt
 import numpy as np
 
 from vpf_sim.geometry import wrap_angle
-from vpf_sim.planning.lane.config import LanePlannerConfig, PathConfig
+from vpf_sim.planning.lane.config import LanePlannerConfig, PathConfig, WaitConfig
 from vpf_sim.planning.lane.frame import Lane
 from vpf_sim.planning.lane.kinematic_limits import KinematicLimits, rear_m
 from vpf_sim.planning.lane.lateral_path import LateralPath
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.speed.limits import SpeedLimits
+from vpf_sim.planning.lane.stopping_distance import stopping_way
 from vpf_sim.types import DriverSetup, Reference
 
 
@@ -48,7 +49,7 @@ class LaneReference:
         """One step of 1 / rate_hz towards the minimum of the lateral cost."""
         wanted = self._speed_reference_mps
         if self._speed_limits is not None:
-            wanted = self._speed_limits.update(lane, geometry, minimum_m, speed_mps)
+            wanted = self._speed_limits.update(lane, geometry, minimum_m, speed_mps, self._path)
         config = self._config.path
         if config is None:
             self.y_m = minimum_m
@@ -56,14 +57,16 @@ class LaneReference:
         rear = rear_m(lane, self._vehicle)
         if self._path is None:
             self._path = LateralPath(config, self._kinematics, rear, config.shift_s * self._speed_reference_mps)
-        time_s = np.inf
+        between, time_s, flanks = lane, np.inf, (np.inf, np.inf)
         if len(geometry):
+            between = geometry.between(lane, self._path.y_m)
+            flanks = geometry.flanks(self._path.y_m, self._path.slope)
             time_s = self._time_left(config, geometry, self._path.y_m, speed_mps)
-            minimum_m = geometry.kept_beside(self._path.y_m, minimum_m)
-        self._path.advance(lane, minimum_m, time_s, speed_mps, speed_mps * self._dt_s)
+            minimum_m = self._goal(config, self._path, geometry, minimum_m, speed_mps)
+        self._path.advance(between, minimum_m, time_s, speed_mps, speed_mps * self._dt_s, flanks)
         self._path.hold(rear)
         self.y_m = self._path.y_m
-        heading, rate = self._heading(lane, self._path, yaw_rad, speed_mps)
+        heading, rate = self._heading(lane, flanks, self._path, yaw_rad, speed_mps)
         return Reference(heading, wanted, rate)
 
     def _time_left(self, config: PathConfig, geometry: ObstacleGeometry, y_m: float, speed_mps: float) -> float:
@@ -74,6 +77,58 @@ class LaneReference:
             max(speed_mps, self._walking_mps) - geometry.obstacles.speed_mps, config.slowest_closing_mps
         )
         return float((way / closing).min(where=hit, initial=np.inf))
+
+    def _goal(
+        self, config: PathConfig, path: LateralPath, geometry: ObstacleGeometry, minimum_m: float, speed_mps: float
+    ) -> float:
+        """The lateral position to which the path leads now, on its way to the minimum."""
+        if config.wait is not None and self._waits(config.wait, path, geometry, minimum_m, speed_mps):
+            minimum_m = path.y_m
+        elif config.hold_m is not None:
+            minimum_m = self._held(config.hold_m, path, geometry, minimum_m, speed_mps)
+        return geometry.kept_beside(path.y_m, minimum_m)
+
+    def _waits(
+        self, config: WaitConfig, path: LateralPath, geometry: ObstacleGeometry, minimum_m: float, speed_mps: float
+    ) -> bool:
+        """Whether the path can stay longer before the first obstacle for which it must leave its place.
+
+        From nearer the side of an obstacle is known better. The way back does not wait, nor does a path without room
+        to spare beside obstacles, nor one behind a moving obstacle.
+        """
+        if abs(path.slope) > config.slope or abs(minimum_m) < abs(path.y_m):
+            return False
+        hit = geometry.hinders(path.y_m)
+        if not hit.any() or (hit & geometry.moves).any():
+            return False
+        narrow = geometry.overlap(minimum_m, self._clearance.full_speed_m) > 0.0
+        if (narrow & geometry.present).any():
+            return False
+        needed = float(self._kinematics.limits(speed_mps).way(abs(minimum_m - path.y_m)))
+        needed += config.reaction_s * max(speed_mps, self._walking_mps)
+        return float(geometry.way_m[hit].min()) > needed
+
+    def _held(
+        self, hold_m: float, path: LateralPath, geometry: ObstacleGeometry, minimum_m: float, speed_mps: float
+    ) -> float:
+        """Where the path leads: to the minimum, or to its own rest where no gap is free at the minimum.
+
+        A car that has turned to a gap that closes has no way left for another one. It holds only where it can still
+        stop, and goes back to its own lane all the same.
+        """
+        way, limits, braking = geometry.way_m, self._speed_limits, self._config.braking
+        shut = geometry.shut_rows(minimum_m) if limits is None else limits.shut(geometry, minimum_m)
+        if not shut.any():
+            return minimum_m
+        _, shift = self._kinematics.limits(np.array([speed_mps])).rest(path.slope, path.bend_per_m)
+        rest_m = path.y_m + float(shift[0])
+        hit = geometry.stands & (way > 0.0) & (geometry.overlap(rest_m, self._clearance.least_m) > 0.0)
+        if abs(minimum_m) < abs(rest_m) or not hit.any():
+            return minimum_m
+        first_m, shut_m = float(way[hit].min()), float(way[shut].min())
+        stops = float(stopping_way(speed_mps, braking.comfort_mps2)) + braking.closest_standoff_m < first_m
+        in_row = shut_m < first_m + self._config.obstacles.row_depth_m
+        return rest_m if stops and in_row and min(first_m, shut_m) < hold_m else minimum_m
 
     def _straight(self, lane: Lane, minimum_m: float, yaw_rad: float, speed_mps: float) -> float:
         """psi_d rad towards the minimum, without a path."""
@@ -88,9 +143,12 @@ class LaneReference:
         most = min(config.speed_mps, self._config.limits.ratio * speed_mps)
         return min(max(pull, -most), most) / max(speed_mps, 1.0)
 
-    def _heading(self, lane: Lane, path: LateralPath, yaw_rad: float, speed_mps: float) -> tuple[float, float]:
+    def _heading(
+        self, lane: Lane, flanks: tuple[float, float], path: LateralPath, yaw_rad: float, speed_mps: float
+    ) -> tuple[float, float]:
         """psi_d rad and its rate rad/s."""
         left, right = self._kinematics.between(lane, speed_mps)
+        left, right = max(left, -flanks[1]), max(right, -flanks[0])
         pull = self._pull(path.y_m - rear_m(lane, self._vehicle), speed_mps)
         ratio = min(max(pull, -left - path.slope), right - path.slope)
         course = yaw_rad + lane.heading_rad + asin(min(max(ratio, -1.0), 1.0))

@@ -22,7 +22,7 @@ class Change:
     held: Mapping[str, object] = field(default_factory=dict)
 
 
-LATCH = "lane_planner.lateral_cost.latch"
+DECISIONS = tuple(f"lane_planner.lateral_cost.{key}" for key in ("memory", "latch", "beside"))
 SPEED_LIMITS = tuple(f"lane_planner.{key}" for key in ("speed", "clear_distance", "recovery"))
 CHANGES = (
     Change("flow", "flow: 20 frames a second, points spread over the road, checked forward and backward", ("flow",)),
@@ -44,9 +44,13 @@ CHANGES = (
         "lane_planner",
         "planner: static obstacles, and the minimum of a lateral cost instead of the force",
         ("static_obstacles", "lane_planner", "paper_planner", "obstacle_map"),
-        dict.fromkeys((LATCH, "lane_planner.path", *SPEED_LIMITS)),
+        dict.fromkeys((*DECISIONS, "lane_planner.path", *SPEED_LIMITS)),
     ),
-    Change("latch", "lateral cost: changing the side of a near obstacle costs", (LATCH,)),
+    Change(
+        "memory",
+        "lateral cost: leaving the last minimum or changing the side of a near obstacle costs",
+        DECISIONS,
+    ),
     Change(
         "least-jerk",
         "reference: a path to the minimum with least jerk, and its heading rate",
