@@ -1,6 +1,7 @@
 """Tracks of low obstacles by observations at given places."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -58,3 +59,23 @@ def test_a_track_is_confirmed_as_soon_in_a_bend(bend_per_m: float) -> None:
 
 def test_a_track_of_single_flashes_is_pruned() -> None:
     assert not any(len(bodies) for bodies in recorded([12.0, np.nan, np.nan, np.nan, 9.8, np.nan, np.nan, np.nan, 7.6]))
+
+
+@pytest.mark.parametrize("speed_mps", [1.0, 3.0, 5.55])
+def test_a_drop_that_moves_with_the_car_is_never_confirmed(speed_mps: float) -> None:
+    assert not any(len(bodies) for bodies in recorded([8.0] * 40, speed_mps))
+
+
+@pytest.mark.parametrize(("height_m", "confirmed"), [(0.0, True), (0.9, False)])
+def test_a_track_that_approaches_by_less_than_the_way_is_a_mirror_image(height_m: float, confirmed: bool) -> None:
+    """The image of a point 0.9 m high at D lies on the road at D h / (h + 0.9), with h of the camera."""
+    book, height, numbers = tracks(TRACKS, lambda: next(numbers)), 1.4, iter(range(9))
+    share = height / (height + height_m)
+    for way in np.arange(0.0, 8.0, SPEED_MPS / LOOKS_HZ).tolist():
+        pose = np.array([way, 0.0, 0.0])
+        book.record([LowObservation(0.8 + share * (14.0 / share - way), -0.4, 0.4, 30.0)], pose)
+    assert (len(book.bodies(pose)) > 0) == confirmed
+
+
+def test_without_the_approach_rule_a_drop_is_confirmed() -> None:
+    assert len(recorded([8.0] * 40, 1.0, replace(TRACKS, approach_share=None))[-1]) == 1

@@ -81,3 +81,6 @@ class LowTrackConfig:
     sticks_out_m: float = setting("unless it reaches so far out of it,", ge=0.0)
     before_m: float = setting("or begins farther before its face than mirror images do", ge=0.0)
     least_width_m: float = setting("of a reported obstacle", ge=0.0)
+    approach_share: float | None = setting(
+        "Confirms only what comes nearer by more than this share of the own way.", default=None, gt=0.0, le=1.0
+    )

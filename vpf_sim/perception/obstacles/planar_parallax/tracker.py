@@ -18,6 +18,7 @@ class _Track:
     place_m: Floats  # (2,) the middle of its face
     width_m: float
     first_pose: Floats  # (3,) of the car at the first observation
+    first_forward_m: float  # of that observation
     hits: int  # sure observations
     misses: int = 0
     identity: int | None = None  # once it is confirmed
@@ -58,14 +59,21 @@ class LowObstacleTracks:
         here, newest = np.array([one.forward_m, one.middle_m]), self.config.newest
         place, track = world_from_vehicle(here, pose), self._track_at(here, pose)
         if track is None:
-            self.tracks.append(_Track(place, one.width_m, pose.copy(), int(one.sure)))
+            self.tracks.append(_Track(place, one.width_m, pose.copy(), one.forward_m, int(one.sure)))
             return
         track.hits, track.misses = track.hits + one.sure, 0
         track.place_m = track.place_m + newest * (place - track.place_m)
         track.width_m += newest * (one.width_m - track.width_m)
         travel_m = distance_m(pose, track.first_pose)
-        if track.identity is None and travel_m >= self.config.way_m and track.hits >= self.config.hits:
+        enough = travel_m >= self.config.way_m and track.hits >= self.config.hits
+        if track.identity is None and enough and self._approaches(track, place, travel_m):
             track.identity = self._next_identity()
+
+    def _approaches(self, track: _Track, place_m: Floats, travel_m: float) -> bool:
+        """Whether it came nearer by the car's own way. Drops on the windscreen do not, mirror images by less."""
+        own_m = float(vehicle_from_world(place_m, track.first_pose)[0]) - track.first_forward_m
+        share = self.config.approach_share
+        return share is None or travel_m - own_m > share * travel_m
 
     def _track_at(self, here: Floats, pose: Floats) -> _Track | None:
         """The first track about a place."""
