@@ -37,6 +37,7 @@ class LanePlanner:
         self._reference = LaneReference(config, setup, kinematics)
         self._recovery = Recovery(config.recovery, config, setup) if config.recovery else None
         self._lost_m = 0.0  # way since the road was seen
+        self._allowed_mps = setup.speed_reference_mps  # by what is seen
 
     @property
     def is_recovering(self) -> bool:
@@ -57,12 +58,18 @@ class LanePlanner:
         return _force(cost, lane.y_m), reference, plan
 
     def _slowed(self, reference: Reference, perception: Perception, speed_mps: float) -> Reference:
-        """The reference, slowed by the clear distance and where the road is not seen."""
-        allowed, config = inf, self._config
+        """The reference, slowed by the clear distance and where the road is not seen.
+
+        This limit falls as the car may brake from its speed, and rises gently.
+        """
+        allowed, config, braking = inf, self._config, self._config.braking
         if config.clear_distance is not None:
             sight_m = perception.low_range_m
-            allowed = speed_within_clear_distance(sight_m, config.clear_distance, config.braking, self._setup)
+            allowed = speed_within_clear_distance(sight_m, config.clear_distance, braking, self._setup)
         allowed = min(allowed, self._on_road(perception.road, speed_mps))
+        least = min(self._allowed_mps, speed_mps) - braking.emergency_mps2 / self._setup.rate_hz
+        most = self._allowed_mps + braking.rise_mps2 / self._setup.rate_hz
+        self._allowed_mps = allowed = min(max(allowed, least), most, self._setup.speed_reference_mps)
         return replace(reference, speed_mps=allowed) if allowed < reference.speed_mps else reference
 
     def _on_road(self, road: RoadEdges, speed_mps: float) -> float:
