@@ -10,7 +10,7 @@ from vpf_sim.types import Camera
 
 
 @pytest.mark.parametrize("count", [1, 2, 7, 96])
-def testmedian_of_knowns_leave_out_what_is_not_known(count: int) -> None:
+def test_median_of_knowns_leaves_out_what_is_not_known(count: int) -> None:
     rng = stream(7, "samples")
     samples = rng.normal(0.0, 30.0, (8, count, 3))
     samples[:, 1:][rng.random((8, count - 1)) < 0.4] = np.nan

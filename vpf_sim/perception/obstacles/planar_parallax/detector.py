@@ -29,8 +29,6 @@ class LowObservation(LateralExtent[float]):
     left_m: float
     right_m: float
     gain: float  # of a height above the road, in multiples of the noise
-    sure: bool = True  # whether that is enough for a confirmed track
-    truncated: bool = False  # whether it reaches to the near end of the patch
 
 
 @dataclass(slots=True)
@@ -229,5 +227,5 @@ class PlanarParallax:
             left, right = right_m[column] + half_across, right_m[column + width - 1] - half_across
             if left <= right:
                 near = float(self._forward_m[row]) + half_along
-                found.append(LowObservation(near, left, right, float(best[part]), truncated=row == 0))
+                found.append(LowObservation(near, left, right, float(best[part])))
         return sorted(found, key=lambda spot: spot.forward_m)

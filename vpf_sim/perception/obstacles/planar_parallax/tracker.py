@@ -19,7 +19,7 @@ class _Track:
     width_m: float
     first_pose: Floats  # (3,) of the car at the first observation
     first_forward_m: float  # of that observation
-    hits: int  # sure observations
+    hits: int = 1
     misses: int = 0
     identity: int | None = None  # once it is confirmed
 
@@ -59,9 +59,9 @@ class LowObstacleTracks:
         here, newest = np.array([one.forward_m, one.middle_m]), self.config.newest
         place, track = world_from_vehicle(here, pose), self._track_at(here, pose)
         if track is None:
-            self.tracks.append(_Track(place, one.width_m, pose.copy(), one.forward_m, int(one.sure)))
+            self.tracks.append(_Track(place, one.width_m, pose.copy(), one.forward_m))
             return
-        track.hits, track.misses = track.hits + one.sure, 0
+        track.hits, track.misses = track.hits + 1, 0
         track.place_m = track.place_m + newest * (place - track.place_m)
         track.width_m += newest * (one.width_m - track.width_m)
         travel_m = distance_m(pose, track.first_pose)
