@@ -29,7 +29,7 @@ def recorded(places_m: list[float], speed_mps: float = SPEED_MPS, config: LowTra
     book, found = tracks(config, lambda: next(numbers)), []
     for k, place in enumerate(places_m):
         pose = np.array([k * speed_mps / LOOKS_HZ, 0.0, 0.0])
-        book.record([LowObservation(place, -0.4, 0.4, 30.0)] if np.isfinite(place) else [], pose)
+        book.record([LowObservation(place, -0.4, 0.4)] if np.isfinite(place) else [], pose)
         found.append(book.bodies(pose))
     return found
 
@@ -52,7 +52,7 @@ def test_a_track_is_confirmed_as_soon_in_a_bend(bend_per_m: float) -> None:
         turn = bend_per_m * way
         pose = np.array([way * np.sinc(turn / np.pi), 0.5 * way * turn, turn])
         ahead, aside = vehicle_from_world(place, pose)
-        book.record([LowObservation(ahead, aside - 0.4, aside + 0.4, 30.0)], pose)
+        book.record([LowObservation(ahead, aside - 0.4, aside + 0.4)], pose)
         if abs(way - TRACKS.way_m) > 0.1:  # the chord of a bend is a little shorter
             assert len(book.bodies(pose)) == (way > TRACKS.way_m)
 
@@ -73,7 +73,7 @@ def test_a_track_that_approaches_by_less_than_the_way_is_a_mirror_image(height_m
     share = height / (height + height_m)
     for way in np.arange(0.0, 8.0, SPEED_MPS / LOOKS_HZ).tolist():
         pose = np.array([way, 0.0, 0.0])
-        book.record([LowObservation(0.8 + share * (14.0 / share - way), -0.4, 0.4, 30.0)], pose)
+        book.record([LowObservation(0.8 + share * (14.0 / share - way), -0.4, 0.4)], pose)
     assert (len(book.bodies(pose)) > 0) == confirmed
 
 

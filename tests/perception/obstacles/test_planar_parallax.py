@@ -38,19 +38,19 @@ def looks(
     for look, forward in enumerate(np.arange(10.0, PLATE_M[0, 0] - BUMPER_M - 6.5, SPEED_MPS / LOOKS_HZ).tolist()):
         pose = np.array([*(rotation(turn_rad) @ np.array([forward, 0.0])), turn_rad])
         image = frame(forward, height_m)
-        spots = residual.update(in_rain(image, look) if rain else image, pose)
-        if spots is not None:
-            found.append((pose, spots))
+        observations = residual.update(in_rain(image, look) if rain else image, pose)
+        if observations is not None:
+            found.append((pose, observations))
     return found
 
 
 def test_a_flat_plate_is_detected_where_it_lies() -> None:
-    found = [(PLATE_M[0, 0] - pose[0], spot) for pose, spots in looks(0.15) for spot in spots]
+    found = [(PLATE_M[0, 0] - pose[0], one) for pose, observations in looks(0.15) for one in observations]
     assert len(found) >= 3
     assert found[0][0] > 13.6, "from farther away than the noise is measured"
-    for distance, spot in found:
-        assert spot.forward_m == pytest.approx(distance, abs=1.1)
-        assert (spot.left_m, spot.right_m) == pytest.approx((-0.2, 0.6), abs=0.7)
+    for distance, one in found:
+        assert one.forward_m == pytest.approx(distance, abs=1.1)
+        assert (one.left_m, one.right_m) == pytest.approx((-0.2, 0.6), abs=0.7)
 
 
 @pytest.mark.parametrize(("aside_m", "turn_radpm"), [(-2.6, 0.0), (3.0, 0.0), (-2.0, 0.05)])
@@ -60,10 +60,10 @@ def test_a_plate_in_the_next_lane_or_in_a_swerve_is_detected_alone(aside_m: floa
     for way in np.arange(8.0, PLATE_M[0, 0] - CONFIG.near_m - 0.3, SPEED_MPS / LOOKS_HZ).tolist():
         turning = max(0.0, way - 14.0)
         pose = np.array([way, aside_m + 0.5 * turn_radpm * turning**2, turn_radpm * turning])
-        for spot in residual.update(frame(way, 0.15, float(pose[1]), float(pose[2])), pose) or []:
+        for one in residual.update(frame(way, 0.15, float(pose[1]), float(pose[2])), pose) or []:
             middle = rotation(pose[2]).T @ (PLATE_M.mean(axis=0) - pose[:2])
-            assert 0.5 * (spot.left_m + spot.right_m) == pytest.approx(middle[1], abs=0.7)
-            on_plate += abs(spot.forward_m + 0.6 - middle[0]) < 1.3
+            assert 0.5 * (one.left_m + one.right_m) == pytest.approx(middle[1], abs=0.7)
+            on_plate += abs(one.forward_m + 0.6 - middle[0]) < 1.3
     assert on_plate >= 3
 
 
@@ -71,8 +71,8 @@ def test_a_plate_in_the_next_lane_or_in_a_swerve_is_detected_alone(aside_m: floa
 def test_drops_on_the_windscreen_are_not_confirmed_and_hide_no_plate(height_m: float, places_m: list[float]) -> None:
     numbers = iter(range(99))
     tracks = LowObstacleTracks(TRACKS, lambda: next(numbers), CONFIG.near_m, 11.0)
-    for pose, spots in looks(height_m, rain=True):
-        tracks.record(spots, pose)
+    for pose, observations in looks(height_m, rain=True):
+        tracks.record(observations, pose)
     assert (tracks.bodies(pose).forward_m + pose[0]).tolist() == pytest.approx(places_m, abs=1.1)
 
 
@@ -80,14 +80,14 @@ def test_drops_on_the_windscreen_are_not_confirmed_and_hide_no_plate(height_m: f
 def test_only_a_plate_above_the_road_is_confirmed(height_m: float, bodies: int) -> None:
     """Paint as bright as the plate and its mirror image are not."""
     book = LowObstacleTracks(TRACKS, lambda: 7, CONFIG.near_m, 11.0)
-    for pose, spots in looks(height_m):
-        book.record(spots, pose)
+    for pose, observations in looks(height_m):
+        book.record(observations, pose)
     assert len(book.bodies(pose)) == bodies
 
 
 def test_the_direction_of_travel_in_the_world_does_not_matter() -> None:
     straight, turned = looks(0.15), looks(0.15, turn_rad=2.4)
-    assert [len(spots) for _, spots in turned] == [len(spots) for _, spots in straight]
+    assert [len(observations) for _, observations in turned] == [len(observations) for _, observations in straight]
     for (_, one), (_, other) in zip(straight, turned, strict=True):
         for a, b in zip(one, other, strict=True):
             assert a.forward_m == pytest.approx(b.forward_m, abs=0.06)
@@ -133,8 +133,8 @@ def test_an_observation_waits_while_the_wiper_hides_the_road() -> None:
 @pytest.mark.parametrize("path", list(optional_sections(CONFIG)))
 def test_a_plate_is_detected_with_each_mechanism_of_the_detector_switched_off(path: str) -> None:
     found = [
-        PLATE_M[0, 0] - pose[0] - spot.forward_m
-        for pose, spots in looks(0.15, config=without(CONFIG, path))
-        for spot in spots
+        PLATE_M[0, 0] - pose[0] - one.forward_m
+        for pose, observations in looks(0.15, config=without(CONFIG, path))
+        for one in observations
     ]
     assert np.count_nonzero(np.abs(found) < 2.0) >= 3

@@ -179,14 +179,14 @@ def test_low_points_under_a_narrower_tall_obstacle_are_one_with_it() -> None:
 
 
 def test_low_points_and_a_low_track_are_one_obstacle() -> None:
-    """Points at the left end of a pallet from -0.4 to 0.4 m, and a spot that lies 0.2 m too far to the right."""
+    """Points at the left end of a pallet from -0.4 to 0.4 m, and a track that lies 0.2 m too far to the right."""
     low = [[40.0, -0.38, 0.15], [40.0, -0.3, 0.15], [40.3, -0.36, 0.14]]
     drive, found = Drive(np.concatenate([low, road_points(100)])), tracker()
     for k in range(355):
         obstacles = drive.run(found, range(k, k + 1))[-1]
-        spot = LowObservation(40.0 - drive.pose(k)[0], -0.2, 0.6, gain=20.0)
-        if spot.forward_m < 16.0 and k % 6 == 0:
-            found.low_tracks.record([spot], drive.pose(k))
+        track = LowObservation(40.0 - drive.pose(k)[0], -0.2, 0.6)
+        if track.forward_m < 16.0 and k % 6 == 0:
+            found.low_tracks.record([track], drive.pose(k))
     assert (obstacles.left_m, obstacles.right_m) == (pytest.approx([-0.4], abs=0.05), pytest.approx([0.4], abs=0.05))
 
 

@@ -84,7 +84,7 @@ def widen_to_tracks(low: Obstacles, tracks: Obstacles, nearest: Integers, matche
 
 
 def extend_by_low(tall: Obstacles, low: Obstacles, before_m: float, behind_m: float) -> Obstacles:
-    """The tall obstacles, each with a wider low one of which it is the upper edge.
+    """The tall obstacles, extended by wider low ones if they are the upper edge of these.
 
     From afar a few points of a pallet seem higher than it is, and so nearer.
     """

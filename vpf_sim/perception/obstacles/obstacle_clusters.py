@@ -43,7 +43,7 @@ class ObstacleClusters:
         points, config = self._points, self._config
         low, alone, behind_m = config.low_obstacles, config.low_tracks, config.link_forward_m
         self.fragments = NONE
-        tall = self._of_points(points.confirmed & ~points.low, config, self.are_tall, pose, road)
+        tall = self._of_points(points.confirmed & ~points.low, config, self._are_tall, pose, road)
         tall = widen(tall, np.maximum(tall.width_m + 2.0 * config.beside_m, config.least_width_m))
         found = tall
         if low is not None:
@@ -108,7 +108,7 @@ class ObstacleClusters:
             along = extent.rotate(seen, angle[label])
         return self._measure(rows, label, accepted, along, angle, apart)
 
-    def are_tall(self, rows: Integers, label: Integers) -> Bools:
+    def _are_tall(self, rows: Integers, label: Integers) -> Bools:
         """(K,) clusters of points well above the road that are surely obstacles."""
         support, seeds = np.bincount(label), np.bincount(label, self._points.seed_weight[rows])
         together: Bools = (seeds >= 2) | ((seeds >= 1) & (support >= 3))
@@ -155,7 +155,7 @@ class ObstacleClusters:
 
         A cluster `apart` does not keep the identity of the obstacle that it was split from, once it is well placed.
         One that keeps its own does not take that of another whose points, most of them elsewhere, joined it. One that
-        is not well placed does not take that of an obstacle of which it is a fragment.
+        is not well placed does not take the identity of an obstacle that it is a fragment of.
         """
         count, unknown = len(accepted), np.iinfo(np.int64).max
         before = self._points.obstacle[rows]

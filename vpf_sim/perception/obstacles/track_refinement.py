@@ -17,7 +17,7 @@ from vpf_sim.perception.road.geometry import carriageway_offsets
 from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, RoadEdges
 
 Triangulate = Callable[[Integers, Floats], Triangulation]  # rows of a flow, first observed some px aside
-Match = Callable[[Integers, Floats], tuple[Floats, Bools]]  # `KeyframeBuffer.aside_px` of a flow
+Match = Callable[[Integers, Floats], tuple[Floats, Bools]]  # `KeyframeBuffer.register` of a flow
 
 
 def candidates(points: Triangulation, road: RoadEdges, camera: Camera, config: RefinementConfig) -> Integers:

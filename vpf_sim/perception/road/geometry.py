@@ -4,8 +4,7 @@ from math import cos
 
 import numpy as np
 
-from vpf_sim.geometry import ground_from_pixels
-from vpf_sim.types import Bools, Camera, Floats, RoadEdges
+from vpf_sim.types import Floats, RoadEdges
 
 
 def carriageway_offsets(forward_m: Floats, road: RoadEdges) -> tuple[Floats, Floats]:
@@ -27,15 +26,3 @@ def direction_rad(forward_m: Floats, road: RoadEdges) -> Floats:
     """(N,) rad to the right of ahead, the road's direction at `forward_m`; behind the pose that at the pose."""
     direction: Floats = road.heading_rad + road.curvature_per_m * np.maximum(forward_m, 0.0)
     return direction
-
-
-def near_edge_line(camera: Camera, points_px: Floats, road: RoadEdges, inside_m: float, outside_m: float) -> Bools:
-    """(N,) pixels whose place on the flat road is on the painted edge or the verge beside it.
-
-    Lucas-Kanade slides along these lines in the very direction of the epipolar line, so no residual tells.
-    """
-    place = ground_from_pixels(camera, points_px)
-    left, right = carriageway_offsets(place[:, 0], road)
-    aside = np.maximum(left - place[:, 1], place[:, 1] - right)  # how far outside the carriageway
-    near: Bools = (aside > -inside_m) & (aside < outside_m)
-    return near
