@@ -87,7 +87,7 @@ def flow(points: Floats, pose: Floats) -> Flow:
 
 @st.composite
 def perceptions(draw: st.DrawFn, pose: Floats) -> Perception:
-    """All that a planner is told at a frame."""
+    """The perception of a frame."""
     count = draw(st.integers(0, 4))
     points = np.array(draw(st.lists(st.floats(0.0, 479.0), min_size=2 * count, max_size=2 * count))).reshape(-1, 2)
     ttc = np.array(draw(st.lists(st.one_of(st.just(np.inf), LENGTHS), min_size=count, max_size=count)), dtype=float)
@@ -95,8 +95,10 @@ def perceptions(draw: st.DrawFn, pose: Floats) -> Perception:
     seen = ObstacleMap(np.ones(count, np.bool_), np.zeros((6, 8)), gradient, 80)
     foe = Expansion(draw(near(0.0, 639.0)), draw(near(0.0, 479.0)), np.eye(2), np.ones(count, np.bool_), draw(SHARES))
     sight = draw(st.one_of(st.just((np.inf, np.inf)), st.tuples(near(0.0, 40.0), near(0.0, 40.0))))
-    road, told = draw(roads()), draw(bodies())
-    return Perception(flow(points, pose), foe, KnownFeatures(seen, ttc), told, road, pose, LowObstacleRange(*sight))
+    road, obstacles = draw(roads()), draw(bodies())
+    return Perception(
+        flow(points, pose), foe, KnownFeatures(seen, ttc), obstacles, road, pose, LowObstacleRange(*sight)
+    )
 
 
 @dataclass(frozen=True)

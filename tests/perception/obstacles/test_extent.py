@@ -241,21 +241,21 @@ def test_a_low_obstacle_well_before_a_taller_one_is_its_own(before_m: float, own
     assert len(join(wall, plank, 0.4, 1.0, 1.0, 2.0)) == 1 + own
 
 
-def seen_wide(points: Obstacles, spots: Obstacles) -> Obstacles:
-    return widen_to_tracks(points, spots, *match_tracks(points, spots, 1.0, 0.4))
+def seen_wide(points: Obstacles, tracks: Obstacles) -> Obstacles:
+    return widen_to_tracks(points, tracks, *match_tracks(points, tracks, 1.0, 0.4))
 
 
 def test_a_low_obstacle_has_the_width_of_its_track_and_contains_its_points() -> None:
-    """A pallet from 1.0 to 1.8 m right, of which points show the left rim, and a spot that is reported 0.2 m off."""
+    """A pallet from 1.0 to 1.8 m right, of which points show the left rim, and a track that is reported 0.2 m off."""
     seen = seen_wide(standing((8.0, 0.98, 1.1), (8.0, -3.0, -2.9)), standing((8.3, 1.2, 2.0)))
     assert [*seen.left_m, *seen.right_m] == pytest.approx([0.98, -3.0, 1.78, -2.9])
     mirrored = seen_wide(standing((8.0, -1.1, -0.98)), standing((8.3, -2.0, -1.2)))
     assert [*mirrored.left_m, *mirrored.right_m] == pytest.approx([-1.78, -0.98])
 
 
-@pytest.mark.parametrize("spot", [(8.3, 1.7, 2.5), (10.3, 0.9, 1.7)])
-def test_a_track_elsewhere_does_not_widen_it(spot: tuple[float, float, float]) -> None:
-    assert seen_wide(standing((8.0, 1.0, 1.2)), standing(spot)).right_m == pytest.approx([1.2])
+@pytest.mark.parametrize("track", [(8.3, 1.7, 2.5), (10.3, 0.9, 1.7)])
+def test_a_track_elsewhere_does_not_widen_it(track: tuple[float, float, float]) -> None:
+    assert seen_wide(standing((8.0, 1.0, 1.2)), standing(track)).right_m == pytest.approx([1.2])
 
 
 def test_a_narrower_track_changes_nothing() -> None:
@@ -264,13 +264,13 @@ def test_a_narrower_track_changes_nothing() -> None:
 
 
 def test_the_nearer_of_two_tracks_is_matched() -> None:
-    points, spots = standing((8.0, 1.0, 1.2)), ((8.0, 0.2, 0.9), (8.0, 1.25, 2.0))
-    for order in (spots, spots[::-1]):
+    points, tracks = standing((8.0, 1.0, 1.2)), ((8.0, 0.2, 0.9), (8.0, 1.25, 2.0))
+    for order in (tracks, tracks[::-1]):
         seen = seen_wide(points, standing(*order))
         assert (seen.left_m[0], seen.right_m[0]) == pytest.approx((1.0, 1.75))
     none_seen = standing((8.0, 1.0, 1.2)).chosen(np.array([False]))
     assert seen_wide(points, none_seen) is points
-    assert len(seen_wide(none_seen, standing(*spots))) == 0
+    assert len(seen_wide(none_seen, standing(*tracks))) == 0
 
 
 @pytest.mark.parametrize(

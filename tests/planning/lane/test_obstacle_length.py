@@ -10,7 +10,7 @@ from vpf_sim.types import Obstacles
 LANE = Lane(y_m=0.0, right_m=5.25, left_m=-8.75, heading_rad=0.0, curvature_per_m=0.0)
 
 
-def told(*rows: tuple[float, float, float]) -> Obstacles:
+def reported(*rows: tuple[float, float, float]) -> Obstacles:
     """Standing obstacles of identities of their own: face, left and right side."""
     forward, left, right = np.array(rows).T
     count = len(rows)
@@ -31,13 +31,13 @@ def weights(bodies: LaneObstacles) -> list[float]:
 
 
 def test_a_side_detected_in_parts_is_one_obstacle_as_long_as_they_reach() -> None:
-    truck = place(told((6.0, -4.4, -1.9), (8.4, -2.5, -1.9), (12.9, -2.5, -1.9)), LANE, ROBUST.obstacles.parts)
+    truck = place(reported((6.0, -4.4, -1.9), (8.4, -2.5, -1.9), (12.9, -2.5, -1.9)), LANE, ROBUST.obstacles.parts)
     assert len(truck) == 1
     assert truck.length_m == pytest.approx([6.9])
 
 
 def test_obstacles_that_are_no_parts_have_no_length() -> None:
-    alone = place(told((6.0, -4.4, -1.9), (20.0, -4.4, -1.9), (8.0, 1.0, 2.0)), LANE, ROBUST.obstacles.parts)
+    alone = place(reported((6.0, -4.4, -1.9), (20.0, -4.4, -1.9), (8.0, 1.0, 2.0)), LANE, ROBUST.obstacles.parts)
     assert alone.length_m.tolist() == [0.0, 0.0, 0.0]
 
 

@@ -129,7 +129,7 @@ def test_the_separation_of_rectangles() -> None:
     assert apart[0].min() < 0.0
 
 
-def told(speed_mps: float) -> Obstacles:
+def reported(speed_mps: float) -> Obstacles:
     """An obstacle of 3 m dead ahead, 3 m before the bumper."""
     one = np.array([5.25]), np.array([-1.5]), np.array([1.5]), np.array([0.1]), np.array([np.inf])
     return Obstacles(*one, identity=np.zeros(1, np.int64), speed_mps=np.array([speed_mps]))
@@ -139,7 +139,7 @@ def narrow(forward_m: float, right_m: float, half_m: float, identity: int) -> Ob
     """An obstacle that stands there, vehicle axes."""
     forward, left, right = (np.array([one]) for one in (forward_m, right_m - half_m, right_m + half_m))
     name = np.full(1, identity, np.int64)
-    return replace(told(0.0), forward_m=forward, left_m=left, right_m=right, identity=name)
+    return replace(reported(0.0), forward_m=forward, left_m=left, right_m=right, identity=name)
 
 
 ON_THE_WAY = narrow(2.3, 0.0, 0.5, 1)
@@ -154,11 +154,11 @@ def stood_before(bodies: Obstacles) -> Recovery:
 
 
 def began() -> Recovery:
-    return stood_before(told(0.0))
+    return stood_before(reported(0.0))
 
 
 def test_before_an_obstacle_that_moves_the_car_waits() -> None:
-    assert stood_before(told(1.0)).manoeuvre is None
+    assert stood_before(reported(1.0)).manoeuvre is None
     assert began().manoeuvre is not None
 
 
@@ -241,7 +241,7 @@ def begun_again(new: Obstacles) -> tuple[Recovery, Lane]:
 
 def test_what_was_detected_on_a_manoeuvre_is_held_no_farther_against_the_next() -> None:
     """A narrow obstacle, detected before it begins, too far past its end to count on the way."""
-    first, lane = begun_again(told(0.0))
+    first, lane = begun_again(reported(0.0))
     course = unwrap(first.manoeuvre)
     end = int(course.end[0])
     along = float(course.along_m[0, end]) + FRONT_M + NEXT_M + 0.5
