@@ -49,6 +49,14 @@ class WindscreenPointConfig:
 
 
 @settings
+class SettledPointConfig:
+    kept_share: float = setting("share of a band that old points may fill", gt=0.0, le=1.0)
+    age_windows: int = setting("age of an old point in windows", ge=1)
+    residual_px: float = setting("largest residual to the road's flow of a settled point, plus", ge=0.0)
+    residual_share: float = setting("this share of the road's flow", ge=0.0)
+
+
+@settings
 class FlowConfig:
     """How corners are detected and tracked."""
 
@@ -68,6 +76,7 @@ class FlowConfig:
     corner_test: CornerTestConfig | None = setting("drop points where Lucas-Kanade slides", default=None)
     wiper: WiperConfig | None = setting("predict points that a wiper covers, search for them afterwards", default=None)
     windscreen_points: WindscreenPointConfig | None = setting("mark drops and dirt on the windscreen", default=None)
+    settled_points: SettledPointConfig | None = setting("drop old points of the flat road for new ones", default=None)
 
     def __post_init__(self) -> None:
         if self.window_px % 2 == 0:

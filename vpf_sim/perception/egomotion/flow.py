@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.geometry import undistort
-from vpf_sim.perception.egomotion.config import Band, FlowConfig, WiperConfig
+from vpf_sim.perception.egomotion.config import Band, FlowConfig, SettledPointConfig, WiperConfig
 from vpf_sim.perception.egomotion.corners import inverse, is_corner, structure_tensor
+from vpf_sim.perception.egomotion.ground_plane import ground_flow
 from vpf_sim.perception.egomotion.tracks import Tracks
 from vpf_sim.perception.egomotion.windscreen_points import stuck
 from vpf_sim.perception.quantiles import median
@@ -267,11 +268,31 @@ class FlowTracker:
             turn = (self._frame - index * self._period_frames // len(self._bands)) % self._period_frames == 0
             if self._frame and not turn:
                 continue
+            if self.config.settled_points is not None:
+                self._drop_settled(rows, quota, self.config.settled_points)
             points = self._tracks.trail[0]
             inside = (points[:, 1] >= rows.start) & (points[:, 1] < rows.stop)
             wanted = quota - np.count_nonzero(inside & ~self._tracks.stuck)
             if wanted >= max(1, quota // 20):
                 self._add(self._corners(image, rows, points[inside], int(wanted), hidden), image, pose)
+
+    def _drop_settled(self, rows: slice, quota: int, config: SettledPointConfig) -> None:
+        """Drop the oldest points of the road beyond their share of a band."""
+        tracks, most = self._tracks, int(config.kept_share * quota)
+        points = tracks.trail[0]
+        old = (points[:, 1] >= rows.start) & (points[:, 1] < rows.stop)
+        old &= tracks.age > config.age_windows * self._window_frames
+        if np.count_nonzero(old) <= most:
+            return
+        chosen = np.flatnonzero(old)
+        now, first = (undistort(self.camera, of[chosen]) for of in (points, tracks.first_px))
+        road = ground_flow(self.camera, now, tracks.first_pose[chosen], self._poses[0])
+        residual = np.hypot(*(now - first - road).T)
+        settled = chosen[residual < config.residual_share * np.hypot(*road.T) + config.residual_px]
+        excess = len(chosen) - most
+        keep = np.ones(len(tracks), np.bool_)
+        keep[settled[:excess]] = False  # the oldest first
+        tracks.keep(keep)
 
     def _corners(self, image: Image, rows: slice, taken_px: Floats, count: int, hidden: Image | None) -> Floats:
         config = self.config
