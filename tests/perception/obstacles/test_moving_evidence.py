@@ -96,7 +96,10 @@ def test_without_upper_points_an_image_is_known_by_its_contrast_alone() -> None:
     assert image_contrast(1.0, np.empty(0), IMAGE) == pytest.approx(IMAGE.wet)
 
 
-def test_without_contrast_faint_points_do_not_reject_a_track() -> None:
+def test_without_transparency_or_contrast_these_points_no_longer_reject_a_track() -> None:
+    see_through = points(8, standing=20, contrast=0.5)
+    assert evidence(*see_through, WET, CONFIG) == CONFIG.least
+    assert evidence(*see_through, WET, without(CONFIG, "transparency")) > 0.0
     faint = points(8, contrast=-3.0)
     assert evidence(*faint, WET, CONFIG) == CONFIG.least
     assert evidence(*faint, WET, without(CONFIG, "contrast")) > 0.0

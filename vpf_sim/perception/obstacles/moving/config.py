@@ -30,6 +30,7 @@ class EvidenceConfig:
     per_other: float = setting("log-odds per ln(1 + number of undecided points)", ge=0.0)
     least: float = setting("log-odds of one observation, at least, as without an upright face", lt=0.0)
     most: float = setting("log-odds of one observation, at most", gt=0.0)
+    transparency: float | None = setting("least ratio of points for the track to those against", default=None, gt=0.0)
     contrast: ContrastConfig | None = setting(
         "contrast: faint points, as of mirror images, speak against", default=None
     )

@@ -22,7 +22,7 @@ def evidence(
     odds = 0.5 * (np.minimum(standing, config.cap) - np.minimum(moving, config.cap))[inside]
     speaks = odds > config.speaks_for
     number_for, number_against = np.count_nonzero(speaks), np.count_nonzero(odds < -config.speaks_against)
-    if not number_for:
+    if number_for <= (config.transparency or 0.0) * number_against:
         return config.least
     other = len(odds) - number_for - number_against
     value = 0.0
