@@ -17,6 +17,9 @@ class ExtentConfig:
     least_sigma_m: float = setting("of the middle of a well-seen vehicle", gt=0.0)
     drift_mps: float = setting("noise of the middle across the course, over a second", ge=0.0)
     cap: float = setting("largest log-odds of one point", gt=0.0)
+    flank_m: float | None = setting("length of the side turned to the camera; none: no flank", default=None, gt=0.0)
+    through: float | None = setting("share of the background seen in the outline; none: no bound", default=None, gt=0.0)
+    window_rad: float | None = setting("points nearer across count as one; none: all count", default=None, gt=0.0)
 
 
 @settings

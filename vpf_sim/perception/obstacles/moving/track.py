@@ -175,7 +175,7 @@ class MovingTrack:
         else:
             ray = np.stack([np.ones(len(bearing)), bearing], axis=1) @ own
             across = camera[1] - camera[0] * ray[:, 1] / np.maximum(ray[:, 0], LEAST_SLOPE)
-            change = self._sides.update(across, odds, -float(camera[0]), self._fresh(dt_s))
+            change = self._sides.update(across, odds, float(camera[1]), -float(camera[0]), self._fresh(dt_s))
         self._place_m = world_from_vehicle(np.array([forward, right]) + change * own[:, 1], pose)
 
 
