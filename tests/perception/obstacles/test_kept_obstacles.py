@@ -70,3 +70,19 @@ def standing(height_m: float) -> Floats:
     """Points of an obstacle 1.2 m wide."""
     across = np.linspace(-0.6, 0.6, 9)
     return np.column_stack([np.full(9, 42.0), across, np.linspace(0.7 * height_m, height_m, 9)])
+
+
+@pytest.mark.parametrize(("drives", "reported"), [(True, False), (False, True)])
+def test_a_far_car_that_drives_across_is_no_near_obstacle(drives: bool, reported: bool) -> None:
+    """On its corners alone, each seen where one of an obstacle at 40 m would be that stands."""
+    corners = np.array([[40.0, 1.5 + 0.12 * k, 1.2 + 0.06 * (k % 3)] for k in range(5)])
+    drive, found = Drive(np.concatenate([corners, road_points(100)])), tracker()
+    eye_m, obstacles = np.array([drive.pose(0)[0] + found.camera.forward_m, 0.0, found.camera.height_m]), []
+    for k in range(320):
+        at = drive.pose(k)[0]
+        if drives:  # 55 m ahead, the first corner in line with the one that stands
+            here = eye_m + np.array([at, 0.0, 0.0])
+            sight = corners[0] - here
+            drive.scene[:5] = here + sight * 55.0 / sight[0] + 4.6 * (corners - corners[0]) * [0.0, 1.0, 1.0]
+        obstacles += drive.run(found, range(k, k + 1))
+    assert any(len(body) for body in obstacles[240:]) == reported

@@ -108,6 +108,19 @@ class RefinementConfig:
 
 
 @settings
+class LoomingConsistencyConfig:
+    """Which points belong together, and how little they spread if they are far away."""
+
+    baseline_s: float = setting("time over which points are compared", gt=0.0)
+    near_px: float = setting("largest distance between points that belong together", gt=0.0)
+    depth_ratio: float = setting("largest difference of their inverse depths, as a share", gt=0.0)
+    noise_px: float = setting("standard deviation of a point's motion over the baseline", gt=0.0)
+    least_growth: float = setting("least growth, as a share of what the inverse depth predicts", gt=0.0)
+    sigmas: float = setting("standard deviations by which the growth must differ", gt=0.0)
+    memory_s: float = setting("largest weight of earlier results, as a time", gt=0.0)
+
+
+@settings
 class StaticObstacleConfig:
     """Thresholds and time constants of the static obstacle tracker."""
 
@@ -144,6 +157,7 @@ class StaticObstacleConfig:
     low_tracks: LowTrackConfig = setting("tracks of low obstacles")
     planar_parallax: ParallaxConfig = setting("planar parallax")
     low_obstacles: LowObstacleConfig | None = setting("several low points are an obstacle", default=None)
+    looming_consistency: LoomingConsistencyConfig | None = setting("points that expand too little", default=None)
     track_refinement: RefinementConfig | None = setting("points are matched with their first frame", default=None)
     far_road: FarRoadConfig | None = setting("points before far road have less seed weight", default=None)
     dash_seed: DashSeedConfig | None = setting("low points on far lines are no seeds", default=None)

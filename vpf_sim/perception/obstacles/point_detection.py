@@ -7,6 +7,7 @@ from vpf_sim.perception.egomotion.corners import eigenvalues, is_corner
 from vpf_sim.perception.egomotion.ground_plane import below_horizon
 from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.obstacles.config import StaticObstacleConfig
+from vpf_sim.perception.obstacles.looming_consistency import LoomingConsistency
 from vpf_sim.perception.obstacles.low_obstacles import is_low, off_lines
 from vpf_sim.perception.obstacles.point_hypotheses import PointObservations, frames
 from vpf_sim.perception.road.geometry import carriageway_offsets
@@ -16,14 +17,18 @@ from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, RoadEdges
 class PointDetector:
     """Finds the points of a frame above the road."""
 
-    def __init__(self, camera: Camera, config: StaticObstacleConfig, rate_hz: float) -> None:
-        """`rate_hz` of the flow's frames."""
+    def __init__(self, camera: Camera, config: StaticObstacleConfig, rate_hz: float, update_hz: float) -> None:
+        """`rate_hz` of the flow's frames, `update_hz` of those that are passed to `observe`."""
         self._camera, self._config, self._rate_hz = camera, config, rate_hz
+        looming = config.looming_consistency
+        self._looming = LoomingConsistency(looming, update_hz) if looming else None
 
     def observe(
         self, flow: Flow, points: Triangulation, road: RoadEdges, moving: Bools | None = None
     ) -> PointObservations:
         """The points above the road that are not of obstacles that `moving` (N,) marks."""
+        if self._looming is not None:
+            self._looming.record(flow)
         texture, _ = eigenvalues(flow.structure)
         tall = self._are_tall(flow, points, road)
         low = self._are_low(flow, points, texture, road) & ~tall
@@ -57,7 +62,16 @@ class PointDetector:
         left, right = carriageway_offsets(self._camera.forward_m + depth[rows], road)
         aside = points.right_m[rows]
         inside = (aside > left + config.edge_margin_m) & (aside < right - config.edge_margin_m)
-        return _mask(flow, rows[inside])
+        rows = rows[inside]
+        return _mask(flow, rows[~self._are_far(flow, points, rows)])
+
+    def _are_far(self, flow: Flow, points: Triangulation, rows: Integers) -> Bools:
+        """Which rows are far away and move; only points before far road may be."""
+        far = np.zeros(len(rows), np.bool_)
+        high = np.flatnonzero(self._before_far_road(flow.points_px[rows]))
+        if len(high) and self._looming is not None:
+            far[high] = self._looming.keeps_together(rows[high], 1.0 / points.depth_m[rows[high]])
+        return far
 
     def _before_far_road(self, points_px: Floats) -> Bools:
         """(N,) pixels whose ray meets the road far away, or not at all."""

@@ -33,7 +33,7 @@ class StaticObstacleTracker:
         self._schedule = Schedule(config.update_period_s, rate_hz)
         self._obstacles = self._tall = none()
         self._pose: Floats = np.zeros(3)  # of these
-        self._detector = PointDetector(camera, config, rate_hz)
+        self._detector = PointDetector(camera, config, rate_hz, self._schedule.rate_hz)
         self.points = PointHypotheses.none()
         self._clusters = ObstacleClusters(camera, config, self.points)
         self.parallax = PlanarParallax(camera, config.planar_parallax, rate_hz)
