@@ -49,7 +49,7 @@ def test_obstacles_are_predicted_by_the_ego_motion_and_their_own() -> None:
 def ahead(forward_m: Floats, sigma_m: Floats) -> ObstaclePoints:
     """Points (M,) straight ahead, seen sharply; none of them is an obstacle by itself, or a stray."""
     some = np.zeros(len(forward_m))
-    return ObstaclePoints(np.column_stack([forward_m, some]), sigma_m, some)
+    return ObstaclePoints(np.column_stack([forward_m, some]), sigma_m, some, some)
 
 
 def test_points_before_the_face_move_along_their_line_of_sight() -> None:
@@ -104,12 +104,12 @@ def test_width_of_a_long_obstacle_is_that_of_its_face_for_a_turned_car() -> None
     road = RoadEdges(-7.0, 7.0, heading_rad, 0.0, 0.02, 1.0, 0.0, 3.5)
     label, seen = (
         np.zeros(80, np.int64),
-        ObstaclePoints(place, sigma, sight),
+        ObstaclePoints(place, sigma, sight, np.zeros(80)),
     )
     angle = direction_at(seen, label, 1, road)
     seen = rotate(seen, angle[label])
     begin, _ = front(seen, label, 1)
-    forward, left, right = rotate_back(begin, *sides(seen, label, begin), angle)
+    forward, left, right = rotate_back(begin, *sides(seen, label, begin, CONFIG.sharpest), angle)
     assert right[0] - left[0] == pytest.approx(2.5, abs=0.3)
     middle = turn @ [forward[0], 0.5 * (left[0] + right[0])]
     assert middle == pytest.approx([12.0, 0.25], abs=0.2)
@@ -123,18 +123,33 @@ def test_points_that_slide_along_the_far_edge_do_not_widen_an_obstacle(side: flo
     slides = np.array([[depth, side * depth / 12.0] for depth in (20.0, 16.0, 14.0, 13.0)])
     place = np.concatenate([face, slides])
     seen = points(place)
-    left, right = sides(seen, np.zeros(len(place), np.int64), np.array([12.0]))
+    left, right = sides(seen, np.zeros(len(place), np.int64), np.array([12.0]), CONFIG.sharpest)
     assert (left[0], right[0]) == pytest.approx((-1.0, 1.0), abs=1e-9)
     near_side = np.array([[12.0, 3.0 * side], [12.0, 5.0 * side], [16.0, 3.0 * side], [19.0, 3.0 * side]])
-    left, right = sides(points(near_side), np.zeros(4, np.int64), np.array([12.0]))
+    left, right = sides(points(near_side), np.zeros(4, np.int64), np.array([12.0]), CONFIG.sharpest)
     assert sorted((side * left[0], side * right[0])) == pytest.approx([3.0, 5.0], abs=1e-9)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_blurred_points_beside_an_edge_do_not_move_it(side: float) -> None:
+    """A car's face between 1 and 3 m aside, observed from 8 m. A point 0.5 m beside it was observed from 20 m:
+    half a window is as wide there; those of a barrier were not observed since."""
+    face = [(8.0, side * across) for across in np.linspace(1.0, 3.0, 9)]
+    place = np.array([*face, (8.0, side * 3.5), (8.0, side * 5.0), (8.0, side * 6.0)])
+    rim = np.repeat([0.14, 0.35], [9, 3])
+    for count, outer in ((10, 3.0), (12, 6.0)):
+        seen = replace(points(place[:count], 0.01), rim_m=rim[:count])
+        found = sides(seen, np.zeros(count, np.int64), np.array([8.0]), CONFIG.sharpest)
+        assert sorted(side * edge[0] for edge in found) == pytest.approx([1.0, outer], abs=1e-9)
+        everything = sides(seen, np.zeros(count, np.int64), np.array([8.0]), None)
+        assert max(side * edge[0] for edge in everything) == pytest.approx(side * place[count - 1, 1], abs=1e-9)
 
 
 def points(place_m: Floats, sigma_m: float = 0.1) -> ObstaclePoints:
     """Points (N, 2) in vehicle axes, seen sharply from the origin."""
     count = len(place_m)
     sight_rad = np.arctan2(place_m[:, 1], place_m[:, 0])
-    return ObstaclePoints(place_m, np.full(count, sigma_m), sight_rad)
+    return ObstaclePoints(place_m, np.full(count, sigma_m), sight_rad, np.zeros(count))
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
@@ -212,7 +227,7 @@ def test_points_with_lines_of_sight_across_the_road_stretch_an_obstacle_little(s
     sight = np.radians([sight_deg] * 4)
     for turn in (-1.0, 1.0):
         seen = replace(points(place), sight_rad=turn * sight)
-        left, right = sides(seen, np.zeros(4, np.int64), np.array([8.0]))
+        left, right = sides(seen, np.zeros(4, np.int64), np.array([8.0]), CONFIG.sharpest)
         assert 0.5 <= left[0] <= 1.0
         assert 1.8 <= right[0] <= 2.3
 

@@ -34,6 +34,15 @@ class SplitConfig:
 
 
 @settings
+class SharpestConfig:
+    """The points seen from nearest define a side, others only if they lie farther out than their blur explains."""
+
+    points: int = setting("number of points that define how sharp an obstacle is known", ge=1)
+    ratio: float = setting("largest blur, as a multiple of theirs", ge=1.0)
+    blurs: float = setting("least distance of another point farther out, in its own blur", ge=0.0)
+
+
+@settings
 class FragmentConfig:
     """A smaller cluster of the same obstacle behind it, hidden by it or in line with it, is no obstacle."""
 
@@ -163,4 +172,5 @@ class StaticObstacleConfig:
     dash_seed: DashSeedConfig | None = setting("low points on far lines are no seeds", default=None)
     split: SplitConfig | None = setting("points behind and beside an obstacle are another", default=None)
     fragment: FragmentConfig | None = setting("fragments behind an obstacle are no obstacles", default=None)
+    sharpest: SharpestConfig | None = setting("sides from the points seen from nearest", default=None)
     face_correction: Switch | None = setting("faces are corrected for depth errors", default=None)

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from vpf_sim.perception.obstacles.config import FragmentConfig, SplitConfig
+from vpf_sim.perception.obstacles.config import FragmentConfig, SharpestConfig, SplitConfig
 from vpf_sim.perception.road.geometry import direction_rad
 from vpf_sim.types import Bools, Floats, Integers, RoadEdges
 
@@ -17,6 +17,7 @@ class ObstaclePoints:
     place_m: Floats  # (M, 2)
     sigma_m: Floats  # (M,) of the depth
     sight_rad: Floats  # (M,) direction of sight to the right of ahead, along which the place errs
+    rim_m: Floats  # (M,) half a flow window at the point: it may follow an edge this far beside it
 
     @property
     def depth_sigma_m(self) -> Floats:
@@ -49,17 +50,37 @@ def corrected_front(points: ObstaclePoints, label: Integers, count: int) -> tupl
     return front(replace(points, place_m=np.stack([forward, points.place_m[:, 1]], axis=1)), label, count)
 
 
-def sides(points: ObstaclePoints, label: Integers, face_m: Floats) -> tuple[Floats, Floats]:
-    """(K,) m, left and right side of each obstacle.
+def sides(
+    points: ObstaclePoints, label: Integers, face_m: Floats, config: SharpestConfig | None
+) -> tuple[Floats, Floats]:
+    """(K,) m, left and right side of each obstacle, from the points seen from nearest; with no `config`, from all.
 
     The far side ends with the face: points beside it farther away slide along that edge.
     """
-    face, place, sight = face_m[label], points.place_m, points.sight_rad
+    face, place, sight, count = face_m[label], points.place_m, points.sight_rad, len(face_m)
     across, beyond = move_to_face(face, place, sight), np.maximum(place[:, 0] - face, 0.0) * _slope(sight)
-    left, right = np.full(len(face_m), np.inf), np.full(len(face_m), -np.inf)
-    np.minimum.at(left, label, across - np.minimum(beyond, 0.0))
-    np.maximum.at(right, label, across - np.maximum(beyond, 0.0))
+    blur = np.hypot(points.sigma_m * np.abs(np.sin(sight)), points.rim_m)
+    left = -_reach(np.minimum(beyond, 0.0) - across, blur, label, count, config)
+    right = _reach(across - np.maximum(beyond, 0.0), blur, label, count, config)
     return np.minimum(left, right), np.maximum(left, right)  # crossed where all points lie behind the face
+
+
+def _reach(outward_m: Floats, blur_m: Floats, label: Integers, count: int, config: SharpestConfig | None) -> Floats:
+    """(K,) m, how far out each obstacle reaches by its points (M,), each of which may be `blur_m` too far out.
+
+    An edge carries points beside it along, so observations from nearer define it better.
+    """
+    reach, sharp = np.full(count, -np.inf), np.ones(len(label), np.bool_)
+    if config is not None:
+        order = np.lexsort((blur_m, label))
+        first = np.searchsorted(label[order], np.arange(count + 1))
+        best = blur_m[order][np.minimum(first[:-1] + config.points, first[1:]) - 1]
+        sharp = blur_m <= config.ratio * best[label]
+    np.maximum.at(reach, label[sharp], outward_m[sharp])
+    if config is not None:
+        farther = outward_m - config.blurs * blur_m > reach[label]
+        np.maximum.at(reach, label[farther], outward_m[farther])
+    return reach
 
 
 def is_behind(points: ObstaclePoints, label: Integers, count: int, config: SplitConfig, sigmas: float) -> Bools:

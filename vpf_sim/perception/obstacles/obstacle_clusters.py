@@ -31,6 +31,7 @@ class ObstacleClusters:
 
     def __init__(self, camera: Camera, config: StaticObstacleConfig, points: PointHypotheses) -> None:
         self._camera, self._config, self._points = camera, config, points
+        self._rim_rad = 0.5 * config.window_px / camera.fx_px
         self._next = 0
         self.fragments = NONE  # tracks of points that parted from an obstacle and are none
 
@@ -93,7 +94,8 @@ class ObstacleClusters:
         accepted = are_obstacles(rows, label)
         if not accepted.any():
             return none()
-        seen, count = ObstaclePoints(place, sigma, self._points.sight_rad[rows] - pose[2]), len(accepted)
+        sight, rim = self._points.sight_rad[rows] - pose[2], self._points.depth_m[rows] * self._rim_rad
+        seen, count = ObstaclePoints(place, sigma, sight, rim), len(accepted)
         angle, apart = extent.direction_at(seen, label, count, road), np.zeros(count, np.bool_)
         along = extent.rotate(seen, angle[label])
         behind = np.zeros(len(rows), np.bool_)
@@ -139,7 +141,7 @@ class ObstacleClusters:
         placed = (face_sigma < config.face_sigma_m) & (face < config.reported_m)
         identity = self.identify(rows, label, accepted, placed, apart)
         accepted = accepted & (identity >= 0)
-        across = extent.sides(seen, label, face)
+        across = extent.sides(seen, label, face, config.sharpest)
         face, left, right = extent.rotate_back(face, *across, angle)
         ahead = face - self._camera.forward_m
         part_of, support = np.where(accepted & ~apart, identity, -1), np.bincount(label)
