@@ -1,5 +1,6 @@
 """Landmarks from simulated tracks: obstacles at known places, empty roads, bends."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
 
@@ -41,6 +42,30 @@ def test_a_car_is_detected_with_each_mechanism_switched_off(path: str) -> None:
     drive = Drive(np.concatenate([body(30.0, 0.3, 1.8, 1.4, 14), road_points(100)]))
     found = drive.run(StaticObstacleTracker(CAMERA, without(static_obstacles(), path), RATE_HZ), range(200))
     assert len(found[-1]) == 1
+
+
+@pytest.mark.parametrize(("small", "reported"), [(40.0, True), (27.0, False)])
+def test_a_few_faint_points_are_no_obstacle(small: float, reported: bool) -> None:
+    """The rim of a puddle and the clouds in it cross in points that slide along both; those of a cone are clearer."""
+    scene = np.array([[50.0, -1.0, 0.3], [50.0, -0.8, 0.45], [50.1, -0.9, 0.6]])
+    found = Drive(np.concatenate([scene, road_points(200)]), structure=small * np.eye(2)).run(tracker(), range(480))
+    assert any(len(obstacles) for obstacles in found) == reported
+
+
+class Slipping(Drive):
+    """The whole tracks fit points that stand; their last motion is 2 px too far to the right."""
+
+    def flow(self, frame: int) -> Flow:
+        flow = super().flow(frame)
+        return replace(flow, displacement_px=flow.displacement_px + np.array([2.0, 0.0]))
+
+
+@pytest.mark.parametrize(("switched_off", "reported"), [(False, False), (True, True)])
+def test_tracks_that_slip_are_no_obstacle(switched_off: bool, reported: bool) -> None:
+    config = without(static_obstacles(), "recent_motion") if switched_off else static_obstacles()
+    drive = Slipping(np.concatenate([body(30.0, 0.3, 1.8, 1.4, 14), road_points(100)]))
+    found = drive.run(StaticObstacleTracker(CAMERA, config, RATE_HZ), range(200))
+    assert any(len(obstacles) for obstacles in found) == reported
 
 
 def test_faint_points_support_clear_ones() -> None:
@@ -104,6 +129,16 @@ def test_a_badly_placed_fragment_does_not_take_the_identity(placed: bool, named:
     obstacles = ObstacleClusters(CAMERA, static_obstacles(), cast("PointHypotheses", points))
     label = np.array([0, 0, 0, 0, 1, 1])
     assert obstacles.identify(np.arange(6), label, both, np.array([False, placed]), ~both).tolist() == [2, named]
+
+
+@pytest.mark.parametrize(("speed_mps", "frames"), [(5.55, 20), (0.8, 60)])
+def test_an_obstacle_is_reported_after_travel_of_a_share_of_its_distance(speed_mps: float, frames: int) -> None:
+    """8 m ahead from the first frame on; creeping up, what moves over the glass in less would seem to stand there."""
+    drive = Drive(np.concatenate([body(8.0, 0.3, 1.8, 1.4, 8), road_points(100)]), speed_mps=speed_mps)
+    reported = [len(obstacles) > 0 for obstacles in drive.run(tracker(), range(frames))]
+    way_m = drive.pose(reported.index(True))[0]
+    assert 0.06 * 6.5 < way_m < 0.06 * 8.0 + 1.0
+    assert all(reported[reported.index(True) :])
 
 
 @pytest.mark.parametrize("curvature_per_m", [0.0, 0.01, -0.0125])

@@ -26,6 +26,14 @@ class DashSeedConfig:
 
 
 @settings
+class RecentMotionConfig:
+    """A point's motion over the last window must fit its place: a track may slip on to something else."""
+
+    error_px: float = setting("largest error of the motion, plus", ge=0.0)
+    ratio: float = setting("this share of its length", ge=0.0)
+
+
+@settings
 class SplitConfig:
     """Points behind an obstacle's face and beside it are another obstacle."""
 
@@ -170,6 +178,13 @@ class StaticObstacleConfig:
     track_refinement: RefinementConfig | None = setting("points are matched with their first frame", default=None)
     far_road: FarRoadConfig | None = setting("points before far road have less seed weight", default=None)
     dash_seed: DashSeedConfig | None = setting("low points on far lines are no seeds", default=None)
+    seed_texture: float | None = setting(
+        "least texture of a seed (small eigenvalue, grey levels^2 / px^2): rims of puddles slide", default=None, gt=0.0
+    )
+    travel_share: float | None = setting(
+        "least way since a point's first observation, as a share of its depth: drops look near", default=None, gt=0.0
+    )
+    recent_motion: RecentMotionConfig | None = setting("a point's last motion must fit its place", default=None)
     split: SplitConfig | None = setting("points behind and beside an obstacle are another", default=None)
     fragment: FragmentConfig | None = setting("fragments behind an obstacle are no obstacles", default=None)
     sharpest: SharpestConfig | None = setting("sides from the points seen from nearest", default=None)

@@ -4,7 +4,7 @@ import numpy as np
 
 from vpf_sim.geometry import ground_from_pixels, world_from_vehicle
 from vpf_sim.perception.egomotion.corners import eigenvalues, is_corner
-from vpf_sim.perception.egomotion.ground_plane import below_horizon
+from vpf_sim.perception.egomotion.ground_plane import below_horizon, past_image
 from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.obstacles.config import StaticObstacleConfig
 from vpf_sim.perception.obstacles.looming_consistency import LoomingConsistency
@@ -42,7 +42,7 @@ class PointDetector:
             sigma_m=points.sigma_m[rows],
             sight_rad=flow.pose[2] + np.arctan(right / depth),
             depth_m=depth,
-            seed_weight=np.where(low[rows], 0.0, self._seed_weight(flow, points, road, rows)),
+            seed_weight=np.where(low[rows], 0.0, self._seed_weight(flow, points, texture, road, rows)),
             low=low[rows],
             margin=points.chi2_ground[rows] - points.chi2[rows],
         )
@@ -54,6 +54,8 @@ class PointDetector:
         with np.errstate(invalid="ignore", divide="ignore"):
             above = (depth > config.near_m) & (depth < config.far_m)
             above &= flow.age_frames >= frames(config.min_age_s, self._rate_hz)
+            if config.travel_share is not None:
+                above &= np.hypot(*(flow.pose[:2] - flow.first_pose[:, :2]).T) > config.travel_share * depth
             above &= points.sigma_m / depth < config.depth_ratio
             above &= (points.chi2 < config.chi2_limit) & (points.chi2_ground - points.chi2 > config.chi2_margin)
             above &= points.height_m > config.min_height_m + 2.0 * points.height_sigma_m
@@ -63,7 +65,7 @@ class PointDetector:
         aside = points.right_m[rows]
         inside = (aside > left + config.edge_margin_m) & (aside < right - config.edge_margin_m)
         rows = rows[inside]
-        return _mask(flow, rows[~self._are_far(flow, points, rows)])
+        return self._moving_as_placed(flow, points, rows[~self._are_far(flow, points, rows)])
 
     def _are_far(self, flow: Flow, points: Triangulation, rows: Integers) -> Bools:
         """Which rows are far away and move; only points before far road may be."""
@@ -85,7 +87,7 @@ class PointDetector:
             return np.zeros(len(flow), np.bool_)
         age_s = flow.age_frames / self._rate_hz
         rows = np.flatnonzero(is_low(points, age_s, texture, config.low_obstacles, config.precise_m, config.chi2_limit))
-        return _mask(flow, rows[self._off_lines(flow.points_px[rows], road)])
+        return self._moving_as_placed(flow, points, rows[self._off_lines(flow.points_px[rows], road)])
 
     def _off_lines(self, points_px: Floats, road: RoadEdges) -> Bools:
         """(N,) pixels whose place on the flat road is within the carriageway and on no painted line."""
@@ -94,23 +96,32 @@ class PointDetector:
             return np.ones(len(points_px), np.bool_)
         return off_lines(self._camera, ground_from_pixels(self._camera, points_px), road, config)
 
-    def _seed_weight(self, flow: Flow, points: Triangulation, road: RoadEdges, rows: Integers) -> Floats:
+    def _moving_as_placed(self, flow: Flow, points: Triangulation, rows: Integers) -> Bools:
+        """(N,) those rows whose last motion fits the place by the whole track: others slipped to something else."""
+        config, found = self._config.recent_motion, np.zeros(len(flow), np.bool_)
+        if config is not None and len(rows):
+            depth = points.depth_m[rows]
+            place = np.stack([self._camera.forward_m + depth, points.right_m[rows], points.height_m[rows]], axis=1)
+            before = flow.points_px[rows] - flow.displacement_px[rows]
+            error = np.hypot(*(before - past_image(self._camera, place, flow.past_pose[rows], flow.pose)).T)
+            rows = rows[error < config.error_px + config.ratio * np.hypot(*flow.displacement_px[rows].T)]
+        found[rows] = True
+        return found
+
+    def _seed_weight(
+        self, flow: Flow, points: Triangulation, texture: Floats, road: RoadEdges, rows: Integers
+    ) -> Floats:
         """(M,) from 0 to 1, how far each of the rows may begin an obstacle."""
         config, points_px = self._config, flow.points_px[rows]
         weight: Floats = np.ones(len(rows))
         if config.far_road:
             corner = is_corner(flow.structure[rows], config.corner_texture, config.corner_ratio)
             weight = np.where(self._before_far_road(points_px), config.far_road.share * corner, 1.0)
+        if config.seed_texture is not None:
+            weight[texture[rows] <= config.seed_texture] = 0.0
         if config.dash_seed:
             far = points.depth_m[rows] > config.precise_m
             slides = np.flatnonzero(far & (points.height_m[rows] < config.dash_seed.height_m))
             if len(slides):
                 weight[slides] *= self._off_lines(points_px[slides], road)
         return weight
-
-
-def _mask(flow: Flow, rows: Integers) -> Bools:
-    """(N,) points of the flow in these rows."""
-    mask = np.zeros(len(flow), np.bool_)
-    mask[rows] = True
-    return mask

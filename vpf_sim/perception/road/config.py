@@ -75,6 +75,9 @@ class RoadFilterConfig:
     passes_m: tuple[float, ...] = setting("cut of Tukey's biweight in each pass", min_length=1)
     reach_m: float = setting("about the prediction, in which lines are searched", gt=0.0)
     on_line_m: float = setting("distance up to which an observation lies on its line", gt=0.0)
+    innovation_sigmas: float | None = setting(
+        "largest distance to the prediction in standard deviations, plus `on_line_m`", default=None, gt=0.0
+    )
     neighbour_test: NeighbourTestConfig | None = setting(
         "reject observations without a neighbour on the line: drops, puddles", default=None
     )

@@ -52,8 +52,7 @@ class LaneFilter:
         for cut_m in self.config.passes_m:
             right, jacobian, reached = seen_lines(state, found.numbers, found.forward_m, self.camera)
             if state is prior:
-                aside = np.where(found.seen, found.right_m - right, np.inf)
-                possible = found.seen & _along(aside, self.config.neighbour_test)
+                possible = found.seen & self._possible(found, right, jacobian)
             chosen = possible & reached
             residual = (found.right_m - right)[chosen]
             tukey = np.maximum(1.0 - (residual / cut_m) ** 2, 0.0) ** 2
@@ -64,6 +63,15 @@ class LaneFilter:
             gradient = weighted.T @ residual + information @ (prior - state)
             state = state + np.linalg.solve(normal, gradient)
         self.state, self.covariance = state, np.linalg.inv(normal)
+
+    def _possible(self, found: Sightings, right_m: Floats, jacobian: Floats) -> Bools:
+        """(L, R) observations that the prediction allows: drops, puddles and mirror images lie elsewhere."""
+        aside = np.where(found.seen, found.right_m - right_m, np.inf)
+        possible, sigmas = _along(aside, self.config.neighbour_test), self.config.innovation_sigmas
+        if sigmas is not None:
+            variance = np.sum((jacobian @ self.covariance) * jacobian, axis=-1) + found.variance_m2
+            possible &= np.abs(aside) < sigmas * np.sqrt(variance) + self.config.on_line_m
+        return possible
 
     def agrees(self, found: Sightings) -> bool:
         """Whether more observations lie on the lines than by chance, and on two lines far ahead if on two nearby.
