@@ -24,7 +24,7 @@ def check(folder: FolderArgument, rules: RulesOption, junit: JunitOption = None,
     from vpf_sim.evaluation.gate import gate
     from vpf_sim.evaluation.gate.cells import read_run
     from vpf_sim.evaluation.gate.rules import read_rules
-    from vpf_sim.report.junit import write_junit
+    from vpf_sim.reporting.junit import write_junit
 
     check_output("--junit", junit)
     checks = gate.check(read_run(folder), read_rules(rules), rules)

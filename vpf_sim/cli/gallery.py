@@ -10,7 +10,7 @@ import typer
 from vpf_sim.cli.options import OutOption, WorkersOption
 
 if TYPE_CHECKING:
-    from vpf_sim.report.gallery import Entry
+    from vpf_sim.reporting.gallery import Entry
 
 WeathersOption = Annotated[
     list[str] | None, typer.Option("--weather", metavar="WEATHER", help="Name or file; may be repeated.")
@@ -22,7 +22,7 @@ def gallery(weather: WeathersOption = None, workers: WorkersOption = None, out: 
     from vpf_sim.envs.camera import weather as weathers
     from vpf_sim.evaluation.sweeps import run_folder
     from vpf_sim.evaluation.sweeps.sweep import default_workers
-    from vpf_sim.report import gallery as pictures
+    from vpf_sim.reporting import gallery as pictures
 
     loaded = list(dict.fromkeys(weathers.load(name) for name in weather or weathers.PRESETS))
     folder = out or run_folder.new_path("gallery")

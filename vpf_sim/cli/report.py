@@ -27,8 +27,8 @@ def report(folder: RunArgument, out: FileOption = None, clips: ClipsOption = CLI
 def write(folder: Path, out: Path | None = None, clips: int = CLIPS) -> Path:
     """Write the report of a run folder; returns its path."""
     from vpf_sim.evaluation.processes.threads import limit_opencv
-    from vpf_sim.report import page
-    from vpf_sim.report.stored_run import open_run
+    from vpf_sim.reporting import page
+    from vpf_sim.reporting.stored_run import open_run
 
     limit_opencv()
     check_output("--out", out)

@@ -17,8 +17,8 @@ def reproduce(run: RunOptions, driver: DriverOption = "vpf-paper") -> None:
     from vpf_sim.cli.results import exit_code, read_summary
     from vpf_sim.cli.running import fill, plan_of
     from vpf_sim.evaluation.analysis import reproduction
-    from vpf_sim.report import paper_page
-    from vpf_sim.report.stored_run import open_run
+    from vpf_sim.reporting import paper_page
+    from vpf_sim.reporting.stored_run import open_run
 
     plan = plan_of(run, bool(run.seeds), lambda: reproduction.plan(run.seeds, driver))
     path = fill("reproduce", plan, run)

@@ -14,7 +14,7 @@ FileOption = Annotated[Path | None, typer.Option("--out", help="The .md to write
 
 def results(runs: RunsArgument, out: FileOption = None) -> None:
     """Write the scores of runs as one Markdown page, with their seeds, commands and sources."""
-    from vpf_sim.report.results_page import make
+    from vpf_sim.reporting.results_page import make
 
     check_output("--out", out)
     page = make(runs)

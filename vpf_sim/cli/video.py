@@ -9,7 +9,7 @@ import typer
 from vpf_sim.cli.options import check_output, prints_on_stderr
 
 if TYPE_CHECKING:
-    from vpf_sim.report.redraw import Redrawing
+    from vpf_sim.reporting.redraw import Redrawing
 
 RunArgument = Annotated[Path, typer.Argument(metavar="DIR", help="A run folder.")]
 IdOption = Annotated[str, typer.Option("--id", help="The episode, such as town04.clear.vpf.1003.")]
@@ -24,8 +24,8 @@ FileOption = Annotated[
 def video(folder: RunArgument, id: IdOption, overlay: OverlayOption = True, out: FileOption = None) -> None:  # noqa: A002
     """Re-render an episode from its steps and seed: camera, top view and signals."""
     from vpf_sim.evaluation.processes.threads import limit_opencv
-    from vpf_sim.report.redraw import redrawing
-    from vpf_sim.report.stored_run import open_run
+    from vpf_sim.reporting.redraw import redrawing
+    from vpf_sim.reporting.stored_run import open_run
 
     check_output("--out", out)
     limit_opencv()
@@ -41,8 +41,8 @@ def video(folder: RunArgument, id: IdOption, overlay: OverlayOption = True, out:
 
 def _write(drawn: "Redrawing", path: Path) -> None:
     """Write all frames into a file."""
-    from vpf_sim.report import episode_view
-    from vpf_sim.report.video import Writer
+    from vpf_sim.reporting import episode_view
+    from vpf_sim.reporting.video import Writer
 
     with Writer(path, episode_view.size_px(drawn.camera), drawn.rate_hz) as writer:
         for index, frame in episode_view.frames(drawn):

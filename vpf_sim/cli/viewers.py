@@ -12,7 +12,7 @@ from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.types import Camera, Image, Plan
 
 if TYPE_CHECKING:
-    from vpf_sim.report.rerun_log import RerunLog
+    from vpf_sim.reporting.rerun_log import RerunLog
 
 RATE_HZ = 60.0
 SIGNALS = ("throttle", "steering", "pid_throttle", "pid_steering", "speed_mps", "lane_offset_m", "clearance_m", "ttc_s")
@@ -44,13 +44,13 @@ def attached(video: Path | None, watch: bool, rerun: Path | None) -> Iterator[Vi
             window = stack.enter_context(closing(Window(camera.width_px, camera.height_px, RATE_HZ)))
             watchers.append(_drawn(window.show, camera))
         if video is not None:
-            from vpf_sim.report.video import Writer
+            from vpf_sim.reporting.video import Writer
 
             writer = stack.enter_context(Writer(video, (camera.width_px, camera.height_px), RATE_HZ))
             watchers.append(_drawn(writer.write, camera))
         log = None
         if rerun is not None:
-            from vpf_sim.report.rerun_log import RerunLog
+            from vpf_sim.reporting.rerun_log import RerunLog
 
             log = stack.enter_context(RerunLog(rerun, camera))
             watchers.append(_timed(log))
@@ -61,7 +61,7 @@ def _drawn(sink: Callable[[Image], None], camera: Camera) -> Watcher:
     """A watcher that passes on frames with the driver's perception and plan drawn in."""
 
     def show(frame: Image, plan: Plan | None) -> None:
-        from vpf_sim.report import overlay
+        from vpf_sim.reporting import overlay
 
         sink(frame if plan is None else overlay.draw(frame, plan, camera))
 
