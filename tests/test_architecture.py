@@ -39,8 +39,9 @@ MAY_IMPORT = {
 MAY_IMPORT["evaluation"] = MAY_IMPORT["drivers"] | {"drivers", "envs", "scenarios"}
 MAY_IMPORT["reporting"] = MAY_IMPORT["evaluation"] | {"evaluation"}
 MAY_IMPORT["replay"] = MAY_IMPORT["reporting"] | {"reporting"}
-MAY_IMPORT["cli"] = MAY_IMPORT["reporting"] | {"replay", "reporting"}
-MAY_IMPORT["testing"] = MAY_IMPORT["evaluation"] | {"evaluation"}
+MAY_IMPORT["api"] = MAY_IMPORT["reporting"] | {"reporting"}
+MAY_IMPORT["cli"] = MAY_IMPORT["api"] | {"replay", "api"}
+MAY_IMPORT["testing"] = MAY_IMPORT["api"] | {"api"}
 PREFIX = "vpf_sim.evaluation."
 # The packages of the evaluation: each imports only what is at its left, and the modules beside them.
 EVALUATION = [

@@ -12,7 +12,10 @@ VERDICTS = {True: "holds", False: "does not hold", None: "undecided"}
 
 @with_run_options
 def reproduce(run: RunOptions, driver: DriverOption = "vpf-paper") -> None:
-    """Drive the paper's four conditions by its own law; compare table, claims and figures with the paper's."""
+    """Repeat the paper's experiment with its own control law.
+
+    Its four conditions are driven; table, claims and figures are compared with the paper's.
+    """
     from vpf_sim.cli.options import prints_on_stderr
     from vpf_sim.cli.results import exit_code, read_summary
     from vpf_sim.cli.running import fill, plan_of

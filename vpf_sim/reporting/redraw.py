@@ -94,8 +94,13 @@ class _Replanner:
     def __init__(self, name: str, world: Any, table: StepTable, seed: int) -> None:
         self.remarks: list[str] = []
         self._table = table
-        self._driver: Driver | None = drivers.create(name)
-        self._driver.reset(setup_for(self._driver, world, seed))
+        self._driver: Driver | None = None
+        try:
+            self._driver = drivers.create(name)
+        except InputError as error:  # a class of a notebook, or of a module that has moved
+            self.remarks.append(f"without the driver's view: {error}")
+        else:
+            self._driver.reset(setup_for(self._driver, world, seed))
 
     def plan(self, index: int, observation: Observation) -> Plan | None:
         """The plan for a frame; None if the driver has none, failed, or gave no command in the run."""

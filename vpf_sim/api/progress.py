@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 
 Record = dict[str, Any]
+Notify = Callable[[Record], None]
 FAULTS = ("error", "invalid_frame")
 
 
@@ -48,7 +49,7 @@ def clock(seconds: float) -> str:
 
 
 @contextmanager
-def progress(total: int, folder: "RunFolder") -> Iterator[Callable[[Record], None]]:
+def progress(total: int, folder: "RunFolder") -> Iterator[Notify]:
     """A callback for each record: a progress bar on a terminal, lines elsewhere."""
     tally = Tally(total, len(folder.done))
     with _bar(tally) if sys.stderr.isatty() else _lines(tally) as (show, say):
@@ -62,7 +63,7 @@ def progress(total: int, folder: "RunFolder") -> Iterator[Callable[[Record], Non
         yield notify
 
 
-Display = tuple[Callable[[Record], None], Callable[[str], None]]
+Display = tuple[Notify, Callable[[str], None]]
 
 
 @contextmanager

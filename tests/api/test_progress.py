@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from vpf_sim.cli import progress as module
-from vpf_sim.cli.progress import Tally, clock, progress
+from vpf_sim.api import progress as module
+from vpf_sim.api.progress import Tally, clock, progress
 
 
 def folder(done: int = 0) -> Any:
