@@ -99,8 +99,8 @@ def driven(
     from vpf_sim.reporting import viewers
 
     film, log = path_or_none(video), path_or_none(rerun)
-    check_output("--video", film)
-    check_output("--rerun", log)
+    check_output("video", film)
+    check_output("rerun", log)
     names, name = (os.fspath(scenario), os.fspath(weather)), _checked_name(driver, seed)
     with ExitStack() as stack:
         stack.enter_context(one_thread())

@@ -24,7 +24,7 @@ def report(run: Run | StrPath, *, out: StrPath | None = None, clips: int = CLIPS
     from vpf_sim.reporting.stored_run import open_run
 
     file = path_or_none(out)
-    check_output("--out", file)
+    check_output("out", file)
     found = run if isinstance(run, Run) else Run(run)
     with one_thread():
         html = page.make(open_run(found.path), clips, lambda line: print(line, file=sys.stderr, flush=True))
