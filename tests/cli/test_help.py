@@ -87,11 +87,14 @@ def test_a_shell_completes_commands_options_and_names(line: str, offered: list[s
 
 
 def test_the_completion_script_is_shown() -> None:
+    """For a shell that is named, since a test has none to detect."""
     done = subprocess.run(
-        [sys.executable, "-m", "vpf_sim.cli", "--show-completion"],
-        env={**os.environ, "_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION": "1", "SHELL": "/bin/bash"},
+        [sys.executable, "-m", "vpf_sim.cli", "--show-completion", "bash"],
+        env={**os.environ, "_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION": "1"},
         capture_output=True,
         text=True,
         check=False,
     )
-    assert re.search(r"complete .*vpf-sim", done.stdout) or done.returncode == 2
+    assert (done.returncode, done.stderr) == (0, "")
+    assert re.search(r"^complete .*vpf-sim$", done.stdout, re.MULTILINE)
+    assert "_VPF_SIM_COMPLETE=complete_bash" in done.stdout

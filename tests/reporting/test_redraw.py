@@ -104,6 +104,17 @@ def test_the_first_frame_with_another_command_is_reported(run: Path, name: str) 
     assert "from frame 30 on the driver's commands differ from the run" in drawn.remarks
 
 
+def test_an_episode_is_drawn_without_a_driver_that_is_gone(run: Path, name: str) -> None:
+    """As one of a notebook, or of a module that has moved."""
+    stored = open_run(run)
+    table = stored.steps(name)
+    assert table is not None
+    drawn = Redrawing({**stored.record(name), "driver": "no_such_module:Mine"}, table, replan=True)
+    assert all(moment.plan is None for moment in drawn.moments())
+    (remark,) = drawn.remarks
+    assert remark.startswith("without the driver's view: driver 'no_such_module:Mine': cannot import")
+
+
 class Crashing:
     """A driver that breaks down after a while."""
 
