@@ -1,6 +1,7 @@
 """Scenarios by name or file."""
 
 from importlib.resources import files
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,12 @@ def names() -> list[str]:
     """Names of the scenarios of the catalog."""
     catalog = files("vpf_sim.scenarios.catalog")
     return sorted(entry.name.removesuffix(".toml") for entry in catalog.iterdir() if entry.name.endswith(".toml"))
+
+
+def summary(name: str) -> str:
+    """What a scenario of the catalog is: the comment at the top of its file."""
+    lines = (files("vpf_sim.scenarios.catalog") / f"{name}.toml").read_text("utf-8").splitlines()
+    return " ".join(line.removeprefix("# ") for line in takewhile(lambda line: line.startswith("#"), lines))
 
 
 def load(name_or_path: str | Scenario | RandomScenario) -> Scenario | RandomScenario:

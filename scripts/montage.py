@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from vpf_sim.evaluation.episode import episode
-from vpf_sim.report import cost_view, overlay
-from vpf_sim.report.pictures import jpeg, sheet
+from vpf_sim.reporting import cost_view, overlay
+from vpf_sim.reporting.pictures import jpeg, sheet
 from vpf_sim.types import Camera, Image, Plan
 
 SEED = 1003

@@ -37,10 +37,11 @@ MAY_IMPORT = {
     "drivers": LEAVES | {"perception", "planning", "controllers"},
 }
 MAY_IMPORT["evaluation"] = MAY_IMPORT["drivers"] | {"drivers", "envs", "scenarios"}
-MAY_IMPORT["report"] = MAY_IMPORT["evaluation"] | {"evaluation"}
-MAY_IMPORT["replay"] = MAY_IMPORT["report"] | {"report"}
-MAY_IMPORT["cli"] = MAY_IMPORT["report"] | {"replay", "report"}
-MAY_IMPORT["testing"] = MAY_IMPORT["evaluation"] | {"evaluation"}
+MAY_IMPORT["reporting"] = MAY_IMPORT["evaluation"] | {"evaluation"}
+MAY_IMPORT["replay"] = MAY_IMPORT["reporting"] | {"reporting"}
+MAY_IMPORT["api"] = MAY_IMPORT["reporting"] | {"reporting"}
+MAY_IMPORT["cli"] = MAY_IMPORT["api"] | {"replay", "api"}
+MAY_IMPORT["testing"] = MAY_IMPORT["api"] | {"api"}
 PREFIX = "vpf_sim.evaluation."
 # The packages of the evaluation: each imports only what is at its left, and the modules beside them.
 EVALUATION = [

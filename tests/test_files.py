@@ -17,8 +17,8 @@ from vpf_sim.evaluation.steps import write as write_steps
 from vpf_sim.evaluation.sweeps.json_lines import JsonLines
 from vpf_sim.evaluation.sweeps.run_folder import write_json
 from vpf_sim.files import file_name, replacing, write_text
-from vpf_sim.report.junit import write_junit
-from vpf_sim.report.video import Writer
+from vpf_sim.reporting.junit import write_junit
+from vpf_sim.reporting.video import Writer
 
 ROOT = Path(__file__).parents[1]
 ROOM = 200  # bytes
@@ -171,9 +171,9 @@ ALLOWED = {
     "vpf_sim/files.py": {"open", "write_bytes", "replace"},
     "vpf_sim/evaluation/sweeps/json_lines.py": {"os.open"},  # appended to, and cut back where there is no room
     "vpf_sim/evaluation/parquet.py": {"write_table"},
-    "vpf_sim/report/paper_figures.py": {"savefig"},  # into memory
-    "vpf_sim/report/video.py": {"open"},
-    "vpf_sim/report/rerun_log.py": {"save"},
+    "vpf_sim/reporting/paper_figures.py": {"savefig"},  # into memory
+    "vpf_sim/reporting/video.py": {"open"},
+    "vpf_sim/reporting/rerun_log.py": {"save"},
 }
 WRITING = {"write_bytes", "imwrite", "VideoWriter", "savez", "savez_compressed", "savetxt", "to_csv", "to_parquet"}
 WRITING |= {

@@ -1,6 +1,7 @@
 """One import name is installed, with all it needs, and lives beside other people's `envs` and `controllers`."""
 
 import os
+import re
 import subprocess
 import sys
 import tomllib
@@ -10,7 +11,34 @@ from pathlib import Path
 
 import pytest
 
+import vpf_sim
+
 ROOT = Path(__file__).parents[1]
+README_PYTHON = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)
+USER = """
+import vpf_sim
+
+class Own:  # the three members of a driver, without its base class
+    privileged = "route"
+
+    def reset(self, setup: vpf_sim.DriverSetup) -> None:
+        self.rate_hz = setup.rate_hz
+
+    def act(self, observation: vpf_sim.Observation) -> vpf_sim.Command:
+        return vpf_sim.Command(throttle=self.rate_hz * observation.speed_mps, steering=0.0)
+
+run = vpf_sim.sweep(["town04", "random"], driver={"slow": Own(), "fast": Own}, weather="rain", seeds=range(2))
+seconds: float = vpf_sim.drive("town04", driver=Own).timing["wall_s"]
+page = vpf_sim.report(run, clips=0).page
+rig = vpf_sim.Rig(vpf_sim.Camera.of(84, 84, fov_deg=60.0))
+"""
+WRONG = """
+import vpf_sim
+
+vpf_sim.drive("town04", driver=5)
+vpf_sim.Command(throttle="full", steering=0.0)
+vpf_sim.sweep("town04").tabel
+"""
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 MAPPED = PROJECT["tool"]["setuptools"]["package-dir"]
 
@@ -30,11 +58,17 @@ def test_every_folder_with_code_is_a_package() -> None:
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The project's wheel, built from a copy, so that no build folder is left in the checkout."""
+def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The project's sources in another folder, so that no build folder is left in the checkout."""
     source = tmp_path_factory.mktemp("source")
     for name in ["pyproject.toml", "README.md", "LICENSE", *MAPPED.values()]:
         (source / name).symlink_to(ROOT / name)
+    return source
+
+
+@pytest.fixture(scope="module")
+def wheel(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The project's wheel."""
     out = tmp_path_factory.mktemp("wheel")
     command = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", str(out), str(source)]
     subprocess.run(command, check=True, capture_output=True)
@@ -51,15 +85,22 @@ def test_the_wheel_has_one_top_level_name_and_all_data(wheel: Path) -> None:
     assert "vpf_sim/py.typed" in names
 
 
-def test_an_episode_runs_from_the_wheel_in_a_project_with_its_own_envs(wheel: Path, tmp_path: Path) -> None:
-    """A clean environment outside the checkout; the dependencies are lent to it, so that nothing is downloaded."""
-    environment = tmp_path / "environment"
+def installed(environment: Path, *what: str) -> Path:
+    """The interpreter of a clean environment; the dependencies are lent to it, so that nothing is downloaded."""
     venv.create(environment, with_pip=False)
     python = environment / "bin" / "python"
-    install = [sys.executable, "-m", "pip", "--python", str(python), "install", "--no-deps", "--no-index", str(wheel)]
-    subprocess.run(install, check=True, capture_output=True)
     site = next(environment.glob("lib/python*/site-packages"))
     (site / "zz_lent.pth").write_text("\n".join(path for path in sys.path if path.endswith("site-packages")))
+    pip = [sys.executable, "-m", "pip", "--python", str(python), "install"]
+    subprocess.run([*pip, "--no-deps", "--no-index", "--no-build-isolation", *what], check=True, capture_output=True)
+    return python
+
+
+def test_an_episode_runs_from_the_wheel_in_a_project_with_its_own_envs(wheel: Path, tmp_path: Path) -> None:
+    """Outside the checkout."""
+    environment = tmp_path / "environment"
+    python = installed(environment, str(wheel))
+    site = next(environment.glob("lib/python*/site-packages"))
 
     project = tmp_path / "project"
     for folder in ("envs", "controllers", "scenarios"):
@@ -80,3 +121,32 @@ def test_an_episode_runs_from_the_wheel_in_a_project_with_its_own_envs(wheel: Pa
     done = subprocess.run(command, cwd=project, env=clean, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert '"status": "success"' in done.stdout
+
+
+def mypy(python: Path, folder: Path, **sources: str) -> str:
+    """What mypy says of files in strict mode, with the packages of an interpreter."""
+    for name, source in sources.items():
+        (folder / f"{name}.py").write_text(source)
+    files = [f"{name}.py" for name in sources]
+    command = [sys.executable, "-m", "mypy", "--strict", "--python-executable", str(python), *files]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False).stdout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("how", ["wheel", "editable"])
+def test_a_users_types_are_checked_against_ours(
+    how: str, source: Path, tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
+    """The README's code and a script pass in strict mode, and wrong calls do not; no name is Any."""
+    strict = ("--config-settings", "editable_mode=strict", "--editable", str(source))
+    what = strict if how == "editable" else (str(request.getfixturevalue("wheel")),)
+    python = installed(tmp_path / "environment", *what)
+    good = {f"readme_{number}": code for number, code in enumerate(README_PYTHON)}
+    said = mypy(python, tmp_path, user=USER, **good)
+    assert said.startswith("Success"), said
+    shown = mypy(
+        python, tmp_path, shown="import vpf_sim\n" + "".join(f"reveal_type(vpf_sim.{n})\n" for n in vpf_sim.__all__)
+    )
+    assert shown.count("Revealed type is") == len(vpf_sim.__all__)
+    assert 'is "Any"' not in shown
+    assert re.findall(r"wrong\.py:(\d+): error", mypy(python, tmp_path, wrong=WRONG)) == ["4", "5", "6"]

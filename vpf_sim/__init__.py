@@ -1,19 +1,77 @@
-"""Closed-loop harness for vision-based driving: camera frames in, throttle and steering out."""
+"""Closed-loop harness for vision-based driving: camera frames in, throttle and steering out.
 
-from typing import Any
+    import vpf_sim
+
+    class MyDriver(vpf_sim.Driver):
+        def act(self, observation: vpf_sim.Observation) -> vpf_sim.Command:
+            return vpf_sim.Command(throttle=0.2, steering=0.0)
+
+    episode = vpf_sim.drive("town04", driver=MyDriver, weather="rain", seed=3)
+    run = vpf_sim.sweep("random", driver=["vpf", MyDriver], seeds="0:5")
+    vpf_sim.report(run)
+
+`import vpf_sim` also registers the environment `vpf_sim/FourLane-v0` with gymnasium.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from gymnasium.envs.registration import register
 
+if TYPE_CHECKING:
+    from vpf_sim.api.drive import Episode, drive
+    from vpf_sim.api.report import report
+    from vpf_sim.api.run import Run
+    from vpf_sim.api.sweep import sweep
+    from vpf_sim.envs.camera.rig import Rig
+    from vpf_sim.envs.observation import CameraObservation
+    from vpf_sim.errors import InputError
+    from vpf_sim.types import Camera, Command, Driver, DriverSetup, Observation
+
 __version__ = "0.1.0"
-__all__ = ["CameraObservation", "__version__"]
+__all__ = [
+    "Camera",
+    "CameraObservation",
+    "Command",
+    "Driver",
+    "DriverSetup",
+    "Episode",
+    "InputError",
+    "Observation",
+    "Rig",
+    "Run",
+    "__version__",
+    "drive",
+    "report",
+    "sweep",
+]
+_MODULES = {
+    "Camera": "types",
+    "CameraObservation": "envs.observation",
+    "Command": "types",
+    "Driver": "types",
+    "DriverSetup": "types",
+    "Episode": "api.drive",
+    "InputError": "errors",
+    "Observation": "types",
+    "Rig": "envs.camera.rig",
+    "Run": "api.run",
+    "drive": "api.drive",
+    "report": "api.report",
+    "sweep": "api.sweep",
+}
 
 register(id="vpf_sim/FourLane-v0", entry_point="vpf_sim.envs.four_lane:FourLane")
 
 
 def __getattr__(name: str) -> Any:
-    """Load the camera wrapper, and with it highway-env and OpenCV, only when it is asked for."""
-    if name == "CameraObservation":
-        from vpf_sim.envs.observation import CameraObservation
+    """Import what is asked for, and with it numpy, OpenCV or highway-env, on first use."""
+    if name not in _MODULES:
+        raise AttributeError(f"module 'vpf_sim' has no attribute '{name}'")
+    value = getattr(import_module(f"vpf_sim.{_MODULES[name]}"), name)
+    globals()[name] = value
+    return value
 
-        return CameraObservation
-    raise AttributeError(f"module 'vpf_sim' has no attribute '{name}'")
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

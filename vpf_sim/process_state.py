@@ -92,3 +92,8 @@ class Isolated:
         finally:
             self._settings = Settings.current()
             outer.apply()
+
+
+def unwrapped(value: Any) -> Any:
+    """The object inside an Isolated one, or the value itself."""
+    return value._own if isinstance(value, Isolated) else value

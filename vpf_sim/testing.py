@@ -8,55 +8,52 @@ pytest loads this file at every start, so imports happen at the first drive.
 """
 
 import sys
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import pytest
+
+if TYPE_CHECKING:
+    from vpf_sim.api.drive import Episode
+    from vpf_sim.api.paths import StrPath
+    from vpf_sim.drivers import DriverLike
 
 
 class Drive(Protocol):
     """The fixture's type, for annotations."""
 
     def __call__(
-        self, scenario: str, *, driver: str = "vpf", weather: str = "clear", seed: int = 0
+        self, scenario: "StrPath", *, driver: "DriverLike" = "vpf", weather: "StrPath" = "clear", seed: int = 0
     ) -> dict[str, Any]: ...
 
 
 @pytest.fixture
 def drive(pytestconfig: pytest.Config) -> Drive:
-    """A function that drives one episode and returns its record, as `vpf-sim drive --json` prints it.
+    """A function that drives one episode, as `vpf_sim.drive` does, and returns its record.
 
     Drivers are also found in the project's root. An unsuccessful episode prints the command that repeats it, and the
     traceback of a driver's exception.
     """
 
-    def run(scenario: str, *, driver: str = "vpf", weather: str = "clear", seed: int = 0) -> dict[str, Any]:
+    def run(
+        scenario: "StrPath", *, driver: "DriverLike" = "vpf", weather: "StrPath" = "clear", seed: int = 0
+    ) -> dict[str, Any]:
+        import vpf_sim
+
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(sys, "path", [*sys.path, str(pytestconfig.rootpath)])
-            return _run(scenario, weather, driver, seed)
+            episode = vpf_sim.drive(scenario, driver=driver, weather=weather, seed=seed)
+        if episode.status != "success":
+            print(_how_it_ended(episode), file=sys.stderr)
+        return episode.record
 
     return run
 
 
-def _run(scenario: str, weather: str, driver: str, seed: int) -> dict[str, Any]:
-    """Drive one episode on one thread, as the command line does."""
-    import cv2
-
-    from vpf_sim.evaluation.episode import episode
+def _how_it_ended(episode: "Episode") -> str:
+    """The traceback, if there is one, the status, and the command that drives the episode again."""
     from vpf_sim.evaluation.gate.cells import Cell
     from vpf_sim.evaluation.gate.checks import drive_command
-    from vpf_sim.evaluation.processes.threads import limit_opencv
 
-    threads = cv2.getNumThreads()
-    limit_opencv()
-    try:
-        result = episode.run(scenario, weather, driver, seed)
-    finally:
-        cv2.setNumThreads(threads)
-    status = result.record["status"]
-    if status != "success":
-        lines = [
-            result.timing.get("traceback", ""),
-            f"{status}; again: {drive_command(Cell(scenario, weather, driver), [seed])}",
-        ]
-        print("\n".join(lines), file=sys.stderr)
-    return result.record
+    record = episode.record
+    again = drive_command(Cell(record["scenario"], record["weather"], record["driver"]), [record["seed"]])
+    return f"{episode.error}\n{episode.status}; again: {again}"

@@ -127,7 +127,10 @@ class DriverSetup:
 
 @dataclass(frozen=True, slots=True)
 class Observation:
-    """What a driver sees at one moment.
+    """What a driver sees at one moment: the camera's frame, and what odometry knows of its own car.
+
+        grey = cv2.cvtColor(observation.image, cv2.COLOR_RGB2GRAY)  # (480, 640)
+        too_fast = observation.speed_mps > 6.0
 
     Where the newest frame is late or was dropped, `image` is the last that has arrived, with its own `frame_time_s`.
     """
@@ -154,16 +157,26 @@ class Observation:
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """What a driver does: throttle in [-1, 1] (negative brakes), steering in [-1, 1] (+ is right, +-1 the limit)."""
+    """What a driver does: throttle in [-1, 1] (negative brakes), steering in [-1, 1] (+ is right, +-1 the limit).
+
+    Command(throttle=0.2, steering=-0.1)  # accelerate a little, to the left
+    """
 
     throttle: float
     steering: float
 
 
 class Driver(Protocol):
-    """What is under test. A subclass inherits the defaults; a class of its own needs `privileged`, `reset`, `act`."""
+    """What is under test: frames in, throttle and steering out.
 
-    privileged: Privilege
+    A subclass needs `act` alone. A class of its own needs `privileged`, `reset` and `act`.
+
+        class FollowTheRoad(vpf_sim.Driver):
+            def act(self, observation: vpf_sim.Observation) -> vpf_sim.Command:
+                return vpf_sim.Command(throttle=0.2, steering=steering_for(observation.image))
+    """
+
+    privileged: Privilege = "none"  # "route" or "world" if it needs more than its camera and odometry
     uses_images: bool = True  # False: no frame is drawn for it
 
     @property
@@ -171,9 +184,9 @@ class Driver(Protocol):
         """Whether it uses the next frame, asked after each `act`: a frame that it does not use need not be drawn."""
         return True
 
-    def reset(self, setup: DriverSetup) -> None:
+    def reset(self, setup: DriverSetup) -> None:  # noqa: ARG002
         """Begin an episode."""
-        ...
+        return
 
     def act(self, observation: Observation) -> Command:
         """The command at one step."""

@@ -109,7 +109,7 @@ def test_junit(tmp_path: Path) -> None:
     (failure,) = root.iter("failure")
     assert "for seed in 3 5 8; do vpf-sim drive town04" in str(failure.text)
 
-    from vpf_sim.report.junit import write_junit
+    from vpf_sim.reporting.junit import write_junit
 
     write_junit([Check(Cell(odd, odd, odd), odd, odd, "failed", (1,))], out)
     (failure,) = Xml.fromstring(out.read_bytes()).iter("failure")

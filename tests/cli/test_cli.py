@@ -47,7 +47,7 @@ def vpf_sim(*arguments: str, cwd: Path | None = None, **environment: str) -> "su
         (["benchmark", "--driver", "pdi"], "unknown driver 'pdi': did you mean 'pid'?"),
         (["check", "gone", "--rules", "rules.toml"], "gone: expected a run folder, got nothing of that name"),
         (["check", "."], "Missing option '--rules'."),
-        (["score"], "Missing argument 'DIR'."),
+        (["score"], "Missing argument 'RUN'."),
         (["score", "gone"], "gone/manifest.json: expected the manifest of a run, got: No such file or directory"),
         (["profile", "town05"], "unknown scenario 'town05': did you mean 'town04'?"),
         (["scenarios", "show", "slalon"], "unknown scenario 'slalon': did you mean 'slalom'?"),

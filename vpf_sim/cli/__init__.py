@@ -3,10 +3,11 @@
 import os
 import sys
 from collections.abc import Sequence
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
+from vpf_sim import __version__
 from vpf_sim.cli import (
     ablate,
     benchmark,
@@ -53,10 +54,27 @@ app = typer.Typer(
     name="vpf-sim",
     help="Drive a car by one camera, in closed loop; sweep, score and compare drivers.",
     no_args_is_help=True,
-    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
+
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        print(f"vpf-sim {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", help="Show the version and exit.", callback=_print_version, is_eager=True)
+    ] = False,
+) -> None:
+    """The options of the program itself, beside those of its commands."""
+
+
 app.command("drive")(drive.drive)
 app.command("sweep")(sweep.sweep)
 app.command("benchmark")(benchmark.benchmark)
@@ -82,7 +100,7 @@ def main() -> None:
     """Entry point of the console script and of `python -m vpf_sim.cli`."""
     os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
     arguments = sys.argv[1:]
-    if arguments and arguments[0] in SIMULATING and "--help" not in arguments:
+    if arguments and arguments[0] in SIMULATING and not {"-h", "--help"} & set(arguments):
         _limit_threads(arguments)
     sys.path.append(os.getcwd())  # for a user's own drivers
     streams.reserve_stdout()

@@ -48,7 +48,10 @@ def ablate(
     scenario: ScenariosOption = None,
     weather: WeathersOption = None,
 ) -> None:
-    """Drive every ablation step between two variants on the same seeds, and show what each step changes."""
+    """Drive every step between two variants, and compare them.
+
+    All steps drive the same seeds.
+    """
     from vpf_sim.cli.results import exit_code, read_summary
     from vpf_sim.cli.running import fill, plan_of
     from vpf_sim.evaluation.analysis.ablation import plan as ablation_plan

@@ -12,8 +12,12 @@ ReportOption = Annotated[bool, typer.Option("--report/--no-report", help="Write 
 
 @with_run_options
 def benchmark(run: RunOptions, driver: DriversOption = None, report: ReportOption = True) -> None:
-    """Drive Town04 without and with obstacles, in clear weather and rain, with the paper's method and the PID."""
-    from vpf_sim.cli.report import write as write_report
+    """Measure the paper's table: Town04 in clear weather and rain.
+
+    It is driven without and with obstacles, by the paper's method, ours and the PID.
+    """
+    from vpf_sim.api.report import report as write_report
+    from vpf_sim.cli.options import prints_on_stderr
     from vpf_sim.cli.results import exit_code, print_benchmark, print_comparisons, read_summary
     from vpf_sim.cli.running import fill, plan_of
     from vpf_sim.evaluation.analysis.benchmark import plan as benchmark_plan
@@ -21,7 +25,8 @@ def benchmark(run: RunOptions, driver: DriversOption = None, report: ReportOptio
     plan = plan_of(run, bool(run.seeds or driver), lambda: benchmark_plan(run.seeds, driver or []))
     path = fill("benchmark", plan, run)
     summary = read_summary(path)
-    page = write_report(path) if report else None
+    with prints_on_stderr():
+        page = write_report(path).page if report else None
     if run.json:
         print_json({"out": str(path), "seeds": plan.seeds, **summary})
     else:

@@ -6,28 +6,28 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vpf_sim.cli.options import JsonOption, check_output, print_json
+from vpf_sim.api.paths import check_output
+from vpf_sim.cli.options import JsonOption, RunArgument, print_json
 from vpf_sim.cli.tables import print_table
 
 if TYPE_CHECKING:
     from vpf_sim.evaluation.gate.checks import Check
 
-FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="A run folder.")]
 RulesOption = Annotated[Path, typer.Option("--rules", metavar="FILE", help="The rules, a TOML file.")]
 JunitOption = Annotated[Path | None, typer.Option("--junit", metavar="FILE", help="Write the results as JUnit XML.")]
 WORDS = {"passed": "ok", "failed": "FAIL", "skipped": "-"}
 MOST_SEEDS = 10  # of a printed command; --junit and --json have all
 
 
-def check(folder: FolderArgument, rules: RulesOption, junit: JunitOption = None, json: JsonOption = False) -> None:
-    """Check a stored run against rules; exit code 1 if it fails any."""
+def check(run: RunArgument, rules: RulesOption, junit: JunitOption = None, json: JsonOption = False) -> None:
+    """Check a run against rules; exit code 1 if it fails any."""
     from vpf_sim.evaluation.gate import gate
     from vpf_sim.evaluation.gate.cells import read_run
     from vpf_sim.evaluation.gate.rules import read_rules
-    from vpf_sim.report.junit import write_junit
+    from vpf_sim.reporting.junit import write_junit
 
     check_output("--junit", junit)
-    checks = gate.check(read_run(folder), read_rules(rules), rules)
+    checks = gate.check(read_run(run), read_rules(rules), rules)
     if junit is not None:
         write_junit(checks, junit)
     failed = [one for one in checks if one.outcome == "failed"]

@@ -9,7 +9,10 @@ from vpf_sim.cli.options import JsonOption, print_json, prints_on_stderr
 
 
 def doctor(json: JsonOption = False) -> None:
-    """Check installation, frames, speed and reproducibility; exit code 1 if a check fails."""
+    """Check this machine; exit code 1 if a check fails.
+
+    Checked are installation, frames, speed and reproducibility.
+    """
     from vpf_sim.evaluation.machine.doctor import examine
 
     answer, checks = sys.stdout, []

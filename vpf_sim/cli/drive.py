@@ -1,29 +1,35 @@
 """`vpf-sim drive`: one episode."""
 
 import sys
+from contextlib import redirect_stdout
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from vpf_sim.api.paths import check_output
 from vpf_sim.cli.options import (
     DriverOption,
     JsonOption,
     OutOption,
+    ScenarioArgument,
     WeatherOption,
-    check_output,
     print_json,
     prints_on_stderr,
 )
 from vpf_sim.cli.tables import measure
 
-ScenarioArgument = Annotated[str, typer.Argument(metavar="SCENARIO", help="Name or file of a scenario.")]
-SeedOption = Annotated[int, typer.Option("--seed", min=0, help="Seed of the scenario's random parts.")]
+if TYPE_CHECKING:
+    from vpf_sim.api.drive import Episode
+
+SeedOption = Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the scenario's random parts.")]
 VideoOption = Annotated[
-    Path | None, typer.Option("--video", help="Write an .mp4 with the driver's perception and plan.")
+    Path | None, typer.Option("--video", metavar="FILE", help="Write an .mp4 with the driver's perception and plan.")
 ]
 WatchOption = Annotated[bool, typer.Option("--watch", help="Show the frames in a window.")]
-RerunOption = Annotated[Path | None, typer.Option("--rerun", help="Write an .rrd recording for the Rerun viewer.")]
+RerunOption = Annotated[
+    Path | None, typer.Option("--rerun", metavar="FILE", help="Write an .rrd recording for the Rerun viewer.")
+]
 
 
 def drive(
@@ -38,40 +44,35 @@ def drive(
     json: JsonOption = False,
 ) -> None:
     """Drive one episode; exit code 1 if it does not succeed."""
-    from vpf_sim.cli import invalid_frames, viewers
-    from vpf_sim.evaluation import steps
-    from vpf_sim.evaluation.episode import episode
-    from vpf_sim.evaluation.processes.threads import limit_opencv
-    from vpf_sim.evaluation.sweeps import run_folder
-    from vpf_sim.evaluation.sweeps.plan import Plan
+    from vpf_sim.api import invalid_frames
+    from vpf_sim.api.drive import driven
 
     check_output("--video", video)
     check_output("--rerun", rerun)
-    limit_opencv()
-    plan = Plan((scenario,), (weather,), (driver,), f"{seed}:{seed + 1}")
-    with prints_on_stderr():
-        asked = run_folder.manifest("drive", plan)
-    with viewers.attached(video, watch, rerun) as attached:
-        with prints_on_stderr():
-            folder = run_folder.RunFolder(out or run_folder.new_path("drive"), asked)
-            try:
-                result = episode.run(scenario, weather, driver, seed, attached.show)
-            except BaseException:  # mostly Ctrl-C
-                folder.discard()
-                raise
-        steps.write(result.steps, folder.path / "steps" / f"{result.record['id']}.parquet")
-        folder.add(result.record, result.timing)
-        folder.close()
-        invalid_frames.warn([result.record])
-        _answer(result, folder.path, json)
-        attached.finish(result.steps)  # last: if the disk is full, all else is already stored
-    raise typer.Exit(0 if result.record["status"] == "success" else 1)
+    answer = sys.stdout
+    with (
+        prints_on_stderr(),
+        driven(
+            scenario,
+            driver=driver,
+            weather=weather,
+            seed=seed,
+            video=video,
+            watch=watch,
+            rerun=rerun,
+            out=True if out is None else out,
+        ) as episode,
+        redirect_stdout(answer),
+    ):
+        invalid_frames.warn([episode.record])
+        _answer(episode, json)
+    raise typer.Exit(0 if episode.status == "success" else 1)
 
 
-def _answer(result: Any, folder: Path, as_json: bool) -> None:
-    record, timing = result.record, result.timing
-    if "traceback" in timing:
-        print(f"vpf-sim: {timing['traceback'].strip().splitlines()[-1]}", file=sys.stderr)
+def _answer(episode: "Episode", as_json: bool) -> None:
+    record, timing, folder = episode.record, episode.timing, episode.path
+    if episode.error and folder is not None:
+        print(f"vpf-sim: {episode.error.strip().splitlines()[-1]}", file=sys.stderr)
         print(f"vpf-sim: the traceback is in {folder / 'errors' / (record['id'] + '.txt')}", file=sys.stderr)
     if as_json:
         print_json({**record, "timing": {key: timing[key] for key in ("wall_s", "steps_per_s")}})

@@ -1,16 +1,24 @@
-"""`vpf-sim drivers`: list and check drivers."""
+"""`vpf-sim drivers`: list, show and check drivers."""
+
+from typing import Annotated
 
 import typer
 
-from vpf_sim.cli.options import JsonOption, print_json, prints_on_stderr
+from vpf_sim.cli.options import DRIVER, JsonOption, SameJsonOption, print_json, print_validity, prints_on_stderr
 from vpf_sim.cli.tables import print_table
 
-app = typer.Typer(help="List drivers; check your own.", no_args_is_help=True, rich_markup_mode=None)
+app = typer.Typer(help="List and show drivers; check your own.", no_args_is_help=True, rich_markup_mode=None)
+DriverArgument = Annotated[str, typer.Argument(help='Name of a driver, or "package.module:Class".', **DRIVER)]
+GETS = {
+    "none": "its camera's frames, its own pose, speed and yaw rate, and the goal",
+    "route": "the route as waypoints, its own pose, speed and yaw rate, and the goal; no obstacles",
+    "world": "all that is on the road, the route, its own pose, speed and yaw rate, and the goal",
+}
 
 
 @app.command("list")
 def list_drivers(json: JsonOption = False) -> None:
-    """List the registered drivers with their privileged information."""
+    """List the drivers and what each gets beyond its camera."""
     from vpf_sim import drivers
 
     described = drivers.describe()
@@ -22,22 +30,36 @@ def list_drivers(json: JsonOption = False) -> None:
 
 
 @app.command()
-def show(name: str) -> None:
-    """Show one driver as JSON."""
+def show(name: DriverArgument, json: SameJsonOption = False) -> None:  # noqa: ARG001
+    """Show what a driver is and gets, as JSON."""
     from vpf_sim import drivers
 
-    one = drivers.description(name)
-    print_json({"name": one.name, "privileged": one.privileged, "summary": one.summary})
+    with prints_on_stderr():
+        one, driver = drivers.description(name), drivers.create(name)
+    print_json(
+        {
+            "name": one.name,
+            "summary": one.summary,
+            "privileged": one.privileged,
+            "gets": GETS[one.privileged],
+            "uses_images": drivers.uses_images(driver),
+            "class": drivers.name_of(driver).removesuffix("()"),
+        }
+    )
 
 
 @app.command()
-def validate(driver: str) -> None:
-    """Load your driver, "package.module:Class", and drive some frames without and with an obstacle; exit code 2 if
-    it fails."""
+def validate(driver: DriverArgument, json: JsonOption = False) -> None:
+    """Check your driver on a short drive; exit code 2 if it fails.
+
+    It is loaded, and drives some frames without and with an obstacle.
+    """
     from vpf_sim.evaluation.episode import driver_check
     from vpf_sim.evaluation.processes.threads import limit_opencv
 
-    limit_opencv()
-    with prints_on_stderr():
-        privileged = driver_check.check(driver).privileged
-    print(f"{driver}: valid, privileged: {privileged}")
+    def check() -> dict[str, str]:
+        limit_opencv()
+        with prints_on_stderr():
+            return {"privileged": driver_check.check(driver).privileged}
+
+    print_validity(driver, check, json)

@@ -3,32 +3,44 @@
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vpf_sim.cli.options import OutOption, WorkersOption
+from vpf_sim.cli.options import JsonOption, WeathersOption, WorkersOption, print_json
 
 if TYPE_CHECKING:
-    from vpf_sim.report.gallery import Entry
+    from vpf_sim.reporting.gallery import Entry
 
-WeathersOption = Annotated[
-    list[str] | None, typer.Option("--weather", metavar="WEATHER", help="Name or file; may be repeated.")
+FolderOption = Annotated[
+    Path | None, typer.Option("--out", metavar="DIR", help="Folder of the page; by default a new one under runs/.")
 ]
 
 
-def gallery(weather: WeathersOption = None, workers: WorkersOption = None, out: OutOption = None) -> None:
-    """Render weathers at fixed poses and on a short drive, into a folder with index.html."""
+def gallery(
+    weather: WeathersOption = None,
+    workers: WorkersOption = None,
+    out: FolderOption = None,
+    json: JsonOption = False,
+) -> None:
+    """Render weathers at fixed poses, as a page.
+
+    Each has seven places and a short drive; the folder has an index.html.
+    """
     from vpf_sim.envs.camera import weather as weathers
     from vpf_sim.evaluation.sweeps import run_folder
     from vpf_sim.evaluation.sweeps.sweep import default_workers
-    from vpf_sim.report import gallery as pictures
+    from vpf_sim.reporting import gallery as pictures
 
     loaded = list(dict.fromkeys(weathers.load(name) for name in weather or weathers.PRESETS))
     folder = out or run_folder.new_path("gallery")
     with _progress(len(loaded)) as notify:
         page = pictures.make(folder, loaded, workers or default_workers(), notify)
-    print(page)
+    if json:
+        print_json({"out": str(folder), "page": str(page), "weathers": [one.name for one in loaded]})
+    else:
+        print(page)
 
 
 @contextmanager

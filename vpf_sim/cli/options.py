@@ -2,6 +2,7 @@
 
 import json
 import sys
+from collections.abc import Callable
 from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Annotated, Any, TextIO
@@ -10,29 +11,74 @@ import typer
 
 from vpf_sim.errors import InputError
 
+Paths = Path | list[Path] | None
+
+
+def located(given: Paths) -> Paths:
+    """Run folders with `runs/latest` replaced by the run that it stands for."""
+    from vpf_sim.evaluation.sweeps import run_folder
+
+    if isinstance(given, Path):
+        return run_folder.located(given)
+    return given and [run_folder.located(path) for path in given]
+
+
+def _scenarios(incomplete: str) -> list[str]:
+    from vpf_sim import scenarios
+
+    return [name for name in scenarios.names() if name.startswith(incomplete)]
+
+
+def _weathers(incomplete: str) -> list[str]:
+    from vpf_sim.envs.camera import weather
+
+    return [name for name in weather.names() if name.startswith(incomplete)]
+
+
+def _drivers(incomplete: str) -> list[str]:
+    from vpf_sim import drivers
+
+    return [name for name in drivers.names() if name.startswith(incomplete)]
+
+
+SCENARIO: dict[str, Any] = {"metavar": "SCENARIO", "autocompletion": _scenarios}
+WEATHER: dict[str, Any] = {"metavar": "WEATHER", "autocompletion": _weathers}
+DRIVER: dict[str, Any] = {"metavar": "DRIVER", "autocompletion": _drivers}
+ScenarioArgument = Annotated[str, typer.Argument(help="Name or file of a scenario.", **SCENARIO)]
 ScenariosOption = Annotated[
-    list[str] | None, typer.Option("--scenario", metavar="SCENARIO", help="Name or file; may be repeated.")
+    list[str] | None, typer.Option("--scenario", help="Name or file; may be repeated.", **SCENARIO)
 ]
 WeathersOption = Annotated[
-    list[str] | None, typer.Option("--weather", metavar="WEATHER", help="Name or file; may be repeated.")
+    list[str] | None, typer.Option("--weather", help="Name or file; may be repeated.", **WEATHER)
 ]
-WeatherOption = Annotated[str, typer.Option("--weather", help="Name or file of a weather.")]
-DriverOption = Annotated[str, typer.Option("--driver", help='Name of a driver, or "package.module:Class".')]
+WeatherOption = Annotated[str, typer.Option("--weather", help="Name or file of a weather.", **WEATHER)]
+DriverOption = Annotated[str, typer.Option("--driver", help='Name of a driver, or "package.module:Class".', **DRIVER)]
 DriversOption = Annotated[
-    list[str] | None, typer.Option("--driver", metavar="DRIVER", help="Name of a driver; may be repeated.")
+    list[str] | None, typer.Option("--driver", help='Name, or "package.module:Class"; may be repeated.', **DRIVER)
 ]
-OutOption = Annotated[Path | None, typer.Option("--out", help="Run folder; by default a new one under runs/.")]
+FileArgument = Annotated[str, typer.Argument(metavar="FILE", help="A TOML file.")]
+RunArgument = Annotated[
+    Path, typer.Argument(metavar="RUN", help="A run folder; runs/latest is the newest.", callback=located)
+]
+RunsArgument = Annotated[
+    list[Path], typer.Argument(metavar="RUN", help="Run folders; runs/latest is the newest.", callback=located)
+]
+OutOption = Annotated[
+    Path | None,
+    typer.Option("--out", metavar="DIR", help="Run folder; by default a new one under runs/.", callback=located),
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print only one JSON object.")]
+SameJsonOption = Annotated[bool, typer.Option("--json", help="No effect: the output is always JSON.")]
 ResumeOption = Annotated[bool, typer.Option("--resume", help="Continue the run in --out.")]
 MixedOption = Annotated[
     bool, typer.Option("--mixed", help="Continue with another version or machine; marks the new records.")
 ]
-SeedsOption = Annotated[str | None, typer.Option("--seeds", help="A:B, without B.", metavar="A:B")]
+SeedsOption = Annotated[str | None, typer.Option("--seeds", metavar="A:B", help="Seeds A to B, without B.")]
 WorkersOption = Annotated[
-    int | None, typer.Option("--workers", min=1, help="Worker processes; by default one per core.")
+    int | None, typer.Option("--workers", metavar="N", min=1, help="Worker processes; by default one per core.")
 ]
 ClusterOption = Annotated[
-    str | None, typer.Option("--cluster", metavar="ADDRESS", help="Drive on the workers of this Dask scheduler.")
+    str | None, typer.Option("--cluster", metavar="ADDRESS", help="Drive on the workers of a Dask scheduler.")
 ]
 TimeoutOption = Annotated[
     float | None,
@@ -45,20 +91,25 @@ def prints_on_stderr() -> redirect_stdout[TextIO]:
     return redirect_stdout(sys.stderr)
 
 
-def check_output(option: str, path: Path | None) -> None:
-    """InputError for an output file that cannot be written, raised before a long computation.
-
-    Its folder must exist, since a mistyped folder would be hard to find.
-    """
-    if path is None:
-        return
-    if path.is_dir():
-        raise InputError(f"{option}: {path}: expected the name of a file, got a folder")
-    if not path.parent.is_dir():
-        raise InputError(f"{option}: {path}: expected a folder that exists, found no {path.parent}")
-
-
 def print_json(answer: dict[str, Any]) -> None:
     """Print one JSON object on stdout."""
     json.dump(answer, sys.stdout, indent=2, allow_nan=False)
     sys.stdout.write("\n")
+
+
+def print_validity(name: str, check: Callable[[], dict[str, str]], as_json: bool) -> None:
+    """Print that an input is valid, with what `check` found; its InputError is a fault.
+
+    In JSON, the faults are part of the answer, and the exit code is 2 as well.
+    """
+    try:
+        found = check()
+    except InputError as error:
+        if not as_json:
+            raise
+        print_json({"ok": False, "name": name, "faults": str(error).splitlines()})
+        raise typer.Exit(2) from None
+    if as_json:
+        print_json({"ok": True, "name": name, "faults": [], **found})
+    else:
+        print(", ".join([f"{name}: valid", *(f"{key}: {value}" for key, value in found.items())]))

@@ -5,13 +5,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vpf_sim.cli.options import DriversOption, JsonOption, WorkersOption, print_json, prints_on_stderr
+from vpf_sim.cli.options import DriversOption, JsonOption, WorkersOption, located, print_json, prints_on_stderr
 
 if TYPE_CHECKING:
     from vpf_sim.evaluation.perception.replay import StoredDrive
 
 RunsArgument = Annotated[
-    list[Path] | None, typer.Argument(metavar="RUN", help="Run folders; by default a fixed set of drives.")
+    list[Path] | None,
+    typer.Argument(metavar="RUN", help="Run folders; by default a fixed set of drives.", callback=located),
 ]
 IdsOption = Annotated[
     list[str] | None, typer.Option("--id", metavar="ID", help="A drive of the runs; may be repeated; by default all.")
@@ -19,7 +20,7 @@ IdsOption = Annotated[
 FileOption = Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the table as JSON.")]
 AgainstOption = Annotated[
     Path | None,
-    typer.Option("--against", metavar="FILE", help="An earlier table, or its run folder, to compare with."),
+    typer.Option("--against", metavar="FILE", help="An earlier table, or its run folder.", callback=located),
 ]
 
 
@@ -32,7 +33,10 @@ def perception(
     out: FileOption = None,
     json: JsonOption = False,
 ) -> None:
-    """Re-render the frames of stored drives, run perception alone, and score it against ground truth."""
+    """Score perception alone on stored drives.
+
+    Their frames are rendered again, and the detections are compared with the ground truth.
+    """
     from vpf_sim.cli.perception_tables import print_differences, print_totals
     from vpf_sim.evaluation.perception import measure, poses, store
     from vpf_sim.evaluation.sweeps.sweep import default_workers
@@ -58,8 +62,8 @@ def perception(
 
 def _fixed_set(workers: int | None) -> Path:
     """The run folder of the fixed set, which is driven first if it is incomplete."""
-    from vpf_sim.cli.progress import say
-    from vpf_sim.cli.run_options import RunOptions
+    from vpf_sim.api.execution import Execution
+    from vpf_sim.api.progress import say
     from vpf_sim.cli.running import fill
     from vpf_sim.evaluation.perception import poses
     from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, read_records
@@ -70,7 +74,7 @@ def _fixed_set(workers: int | None) -> Path:
     if begun and {record["id"] for record in read_records(folder)} >= {job.id for job in plan.jobs()}:
         return folder
     say(f"driving the {len(plan.jobs())} drives of the fixed set once: {folder}")
-    return fill("sweep", plan, RunOptions(out=folder, resume=begun, mixed=begun, workers=workers))
+    return fill("sweep", plan, Execution(workers, out=folder, resume=begun, mixed=begun))
 
 
 def _differences(table: dict[str, Any], before: Any, name: Path | None) -> list[dict[str, Any]]:
@@ -90,7 +94,7 @@ class _Progress:
         self._total, self._done = total, 0
 
     def __call__(self, drive: "StoredDrive") -> None:
-        from vpf_sim.cli.progress import say
+        from vpf_sim.api.progress import say
 
         self._done += 1
         say(f"{self._done}/{self._total} {drive.record['id']}")

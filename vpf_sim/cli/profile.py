@@ -4,11 +4,10 @@ from typing import Annotated
 
 import typer
 
-from vpf_sim.cli.options import JsonOption, WeatherOption, print_json
+from vpf_sim.cli.options import JsonOption, ScenarioArgument, WeatherOption, print_json
 from vpf_sim.cli.tables import number, print_table
 
-ScenarioArgument = Annotated[str, typer.Argument(metavar="SCENARIO", help="Name or file of a scenario.")]
-StepsOption = Annotated[int, typer.Option("--steps", min=2, help="Steps to time.")]
+StepsOption = Annotated[int, typer.Option("--steps", metavar="N", min=2, help="Steps to time.")]
 
 
 def profile(
@@ -17,7 +16,10 @@ def profile(
     steps: StepsOption = 300,
     json: JsonOption = False,
 ) -> None:
-    """Time the step of the driver `vpf`, its stages and the yardstick."""
+    """Time a step of the driver `vpf` and its stages.
+
+    Times are also given as multiples of a yardstick, a fixed computation on this machine.
+    """
     from vpf_sim.evaluation.machine.profile import profile as measure
 
     measured = measure(scenario, weather, steps)

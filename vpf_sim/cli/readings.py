@@ -23,12 +23,12 @@ if TYPE_CHECKING:
     from vpf_sim.evaluation.sweeps.plan import Plan
 
 NAME = "readings.json"
-ReadingsOption = Annotated[int, typer.Option("--readings", min=1, help="Number of readings to try.")]
+ReadingsOption = Annotated[int, typer.Option("--readings", metavar="N", min=1, help="Number of readings to try.")]
 FinalistsOption = Annotated[
-    int, typer.Option("--finalists", min=1, help="Number of best readings that drive more seeds.")
+    int, typer.Option("--finalists", metavar="N", min=1, help="Number of best readings that drive more seeds.")
 ]
 FinalSeedsOption = Annotated[str, typer.Option("--final-seeds", metavar="A:B", help="Seeds of the finalists.")]
-OptimiserSeedOption = Annotated[int, typer.Option("--seed", help="Seed of the optimiser.")]
+OptimiserSeedOption = Annotated[int, typer.Option("--seed", metavar="N", help="Seed of the optimiser.")]
 ListOption = Annotated[bool, typer.Option("--list", help="List the quantities and their readings without driving.")]
 
 
@@ -46,8 +46,11 @@ def readings(
     show: ListOption = False,
     json: JsonOption = False,
 ) -> None:
-    """Search the quantities that the paper leaves open: readings drive its four cells, the best drive more seeds."""
-    from vpf_sim.cli.run_options import RunOptions
+    """Search readings of the paper that reproduce its table.
+
+    They are values of what the paper leaves open. Each drives its four cells, the best drive more seeds.
+    """
+    from vpf_sim.api.execution import Execution
     from vpf_sim.cli.running import fill
     from vpf_sim.errors import InputError
     from vpf_sim.evaluation.readings.outcome import by_choice
@@ -62,14 +65,14 @@ def readings(
         return
     settings = SearchSettings(readings, seeds=seeds or "0:1", finalists=finalists, final_seeds=final_seeds, seed=seed)
     optimiser = Tpe(space, settings.seed, known())
-    RunOptions(out=out, resume=resume).check()
+    Execution(out=out, resume=resume).check_folder()
     if out is not None and out.exists() and not resume:
         raise InputError(f"{out}: expected a new folder, or --resume to continue the search in it")
     folder = out or new_path("readings")
 
     def drive(plan: "Plan", path: Path) -> "Sequence[Record]":
-        run = RunOptions(workers=workers, timeout=timeout, cluster=cluster, out=path, resume=path.exists())
-        return read_records(fill("readings", plan, run))
+        how = Execution(workers, timeout, cluster, path, resume=path.exists())
+        return read_records(fill("readings", plan, how))
 
     trials = search(settings, folder, drive, optimiser)
     best = finals(settings, trials, folder, drive)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from vpf_sim.api.progress import say
 from vpf_sim.cli.options import (
     DriverOption,
     JsonOption,
@@ -16,7 +17,6 @@ from vpf_sim.cli.options import (
     print_json,
     prints_on_stderr,
 )
-from vpf_sim.cli.progress import say
 from vpf_sim.cli.tables import in_one_line
 from vpf_sim.errors import InputError
 from vpf_sim.files import file_name
@@ -56,7 +56,9 @@ def replay(
     video: VideoOption = True,
     json: JsonOption = False,
 ) -> None:
-    """Run a driver on recorded drives in open loop and score it against the human and the ground truth.
+    """Run a driver on recorded drives, in open loop.
+
+    It is scored against the human and the ground truth.
 
     Exit code 1 on an error of the driver, 2 on an unusable recording; the other drives are still replayed.
     """

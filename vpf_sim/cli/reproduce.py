@@ -12,13 +12,16 @@ VERDICTS = {True: "holds", False: "does not hold", None: "undecided"}
 
 @with_run_options
 def reproduce(run: RunOptions, driver: DriverOption = "vpf-paper") -> None:
-    """Drive the paper's four conditions by its own law; compare table, claims and figures with the paper's."""
+    """Repeat the paper's experiment with its own control law.
+
+    Its four conditions are driven; table, claims and figures are compared with the paper's.
+    """
     from vpf_sim.cli.options import prints_on_stderr
     from vpf_sim.cli.results import exit_code, read_summary
     from vpf_sim.cli.running import fill, plan_of
     from vpf_sim.evaluation.analysis import reproduction
-    from vpf_sim.report import paper_page
-    from vpf_sim.report.stored_run import open_run
+    from vpf_sim.reporting import paper_page
+    from vpf_sim.reporting.stored_run import open_run
 
     plan = plan_of(run, bool(run.seeds), lambda: reproduction.plan(run.seeds, driver))
     path = fill("reproduce", plan, run)

@@ -5,7 +5,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from vpf_sim.cli.progress import FAULTS
+from vpf_sim.api.progress import FAULTS
 from vpf_sim.cli.tables import number, percent, percent_within, print_table, within
 
 Row = dict[str, Any]

@@ -5,16 +5,21 @@ from typing import Annotated
 
 import typer
 
-from vpf_sim.cli.options import check_output
+from vpf_sim.api.paths import check_output
+from vpf_sim.cli.options import RunsArgument
 from vpf_sim.files import write_text
 
-RunsArgument = Annotated[list[Path], typer.Argument(metavar="RUN...", help="Run folders.")]
-FileOption = Annotated[Path | None, typer.Option("--out", help="The .md to write; by default standard output.")]
+FileOption = Annotated[
+    Path | None, typer.Option("--out", metavar="FILE", help="The .md to write; by default standard output.")
+]
 
 
 def results(runs: RunsArgument, out: FileOption = None) -> None:
-    """Write the scores of runs as one Markdown page, with their seeds, commands and sources."""
-    from vpf_sim.report.results_page import make
+    """Write the scores of runs as one Markdown page.
+
+    It has their seeds, commands and sources.
+    """
+    from vpf_sim.reporting.results_page import make
 
     check_output("--out", out)
     page = make(runs)

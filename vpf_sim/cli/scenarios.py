@@ -4,7 +4,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vpf_sim.cli.options import JsonOption, print_json
+from vpf_sim.cli.options import (
+    FileArgument,
+    JsonOption,
+    SameJsonOption,
+    ScenarioArgument,
+    print_json,
+    print_validity,
+)
 from vpf_sim.cli.tables import print_table
 
 if TYPE_CHECKING:
@@ -15,7 +22,7 @@ app = typer.Typer(help="List and show scenarios; check your own.", no_args_is_he
 
 @app.command("list")
 def list_scenarios(json: JsonOption = False) -> None:
-    """List the catalog."""
+    """List the scenarios of the catalog and what each is."""
     from vpf_sim import scenarios
 
     loaded = {name: scenarios.load(name) for name in scenarios.names()}
@@ -24,21 +31,28 @@ def list_scenarios(json: JsonOption = False) -> None:
         print_json({"scenarios": rows})
         return
     keys = ("name", "road_m", "route_m", "bodies")
-    cells = [tuple("random" if r[key] is None else str(r[key]) for key in keys) for r in rows]
-    print_table(("scenario", "road m", "route m", "objects"), cells)
+    cells = [(*("random" if r[key] is None else str(r[key]) for key in keys), str(r["summary"])) for r in rows]
+    print_table(("scenario", "road m", "route m", "objects", ""), cells, prose=True)
 
 
 def _row(name: str, one: "Scenario | None") -> dict[str, object]:
     """One row of the list; None for values that the seed determines."""
-    if one is None:
-        return {"name": name, "road_m": None, "route_m": None, "bodies": None}
-    route_m = round(one.goal.s_m - one.ego.s_m)
-    return {"name": name, "road_m": round(one.road.length_m), "route_m": route_m, "bodies": len(one.bodies)}
+    from vpf_sim import scenarios
+
+    sizes: dict[str, object] = {"road_m": None, "route_m": None, "bodies": None}
+    if one is not None:
+        route_m = round(one.goal.s_m - one.ego.s_m)
+        sizes = {"road_m": round(one.road.length_m), "route_m": route_m, "bodies": len(one.bodies)}
+    return {"name": name, **sizes, "summary": scenarios.summary(name)}
 
 
 @app.command()
 def show(
-    name: str, seed: Annotated[int | None, typer.Option(min=0, help="Show the scenario as this seed draws it.")] = None
+    name: ScenarioArgument,
+    seed: Annotated[
+        int | None, typer.Option("--seed", metavar="N", min=0, help="Show the scenario as this seed draws it.")
+    ] = None,
+    json: SameJsonOption = False,  # noqa: ARG001
 ) -> None:
     """Show a scenario with its defaults as JSON."""
     from vpf_sim import scenarios
@@ -49,9 +63,12 @@ def show(
 
 
 @app.command()
-def validate(file: Annotated[str, typer.Argument(metavar="FILE")]) -> None:
-    """Check a scenario file; exit code 2 with one line per fault."""
+def validate(file: FileArgument, json: JsonOption = False) -> None:
+    """Check a scenario file; exit code 2 with a line per fault."""
     from vpf_sim import scenarios
 
-    scenarios.load(file)
-    print(f"{file}: valid")
+    def check() -> dict[str, str]:
+        scenarios.load(file)
+        return {}
+
+    print_validity(file, check, json)

@@ -1,28 +1,27 @@
 """`vpf-sim score`: recompute the scores of a run from its steps."""
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
-from vpf_sim.cli.options import JsonOption, print_json, prints_on_stderr
+from vpf_sim.cli.options import JsonOption, RunArgument, print_json, prints_on_stderr
 
 if TYPE_CHECKING:
     from vpf_sim.evaluation.analysis.rescore import Rescored
 
-FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="A run folder.")]
 MOST = 20  # listed changed records
 
 
-def score(directory: FolderArgument, json: JsonOption = False) -> None:
-    """Recompute a run's scores from its stored steps, without driving, and store the changes."""
+def score(run: RunArgument, json: JsonOption = False) -> None:
+    """Recompute a run's scores from its stored steps.
+
+    Nothing is driven; records whose scores changed are stored.
+    """
     from vpf_sim.evaluation.analysis.rescore import rescore
 
     with prints_on_stderr():
-        done = rescore(directory)
+        done = rescore(run)
     if json:
         changed = [{"id": name, "keys": keys} for name, keys in sorted(done.changed.items())]
-        print_json({"out": str(directory), "scored": len(done.records), "changed": changed, **done.summary})
+        print_json({"out": str(run), "scored": len(done.records), "changed": changed, **done.summary})
     else:
         _print(done)
 

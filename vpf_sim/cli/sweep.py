@@ -10,6 +10,7 @@ from vpf_sim.cli.run_options import RunOptions, with_run_options
 from vpf_sim.shell import command
 
 FileArgument = Annotated[Path | None, typer.Argument(metavar="FILE", help="A sweep file; options override its values.")]
+DryRunOption = Annotated[bool, typer.Option("--dry-run", help="Show what would be driven; drive and write nothing.")]
 DEFAULTS: dict[str, Any] = {"scenario": ["town04"], "weather": ["clear"], "driver": ["vpf"], "seeds": "0:5"}
 
 
@@ -20,8 +21,13 @@ def sweep(
     scenario: ScenariosOption = None,
     weather: WeathersOption = None,
     driver: DriversOption = None,
+    dry_run: DryRunOption = False,
 ) -> None:
-    """Drive a grid of episodes. With --resume alone, the grid is the one stored in the folder."""
+    """Drive a grid of episodes.
+
+    With --resume alone, the grid is the one stored in the folder.
+    """
+    from vpf_sim.cli.dry_run import print_plan
     from vpf_sim.cli.results import exit_code, print_comparisons, print_rows, read_summary
     from vpf_sim.cli.running import fill, plan_of
     from vpf_sim.evaluation.sweeps.plan import Plan, make_plan, read_plan
@@ -35,6 +41,9 @@ def sweep(
         return make_plan({**defaults, **from_file, **given}, str(file or "sweep"))
 
     plan = plan_of(run, bool(given or file), make)
+    if dry_run:
+        print_plan(plan, run)
+        return
     path = fill("sweep", plan, run)
     summary = read_summary(path)
     if run.json:

@@ -3,14 +3,14 @@
 from collections.abc import Sequence
 
 
-def print_table(header: Sequence[str], rows: Sequence[Sequence[str]], words: int = 1) -> None:
-    """Print aligned columns: the first `words` to the left, the others to the right."""
+def print_table(header: Sequence[str], rows: Sequence[Sequence[str]], words: int = 1, prose: bool = False) -> None:
+    """Print aligned columns: the first `words` and, with `prose`, the last to the left, the others to the right."""
     lines = [list(header), *([in_one_line(cell) for cell in row] for row in rows)]
     widths = [max(len(line[i]) for line in lines) for i in range(len(header))]
     rule = ["-" * width for width in widths]
     for line in [lines[0], rule, *lines[1:]]:
         cells = [
-            cell.ljust(width) if i < words else cell.rjust(width)
+            cell.ljust(width) if i < words or (prose and i == len(header) - 1) else cell.rjust(width)
             for i, (cell, width) in enumerate(zip(line, widths, strict=True))
         ]
         print("  ".join(cells).rstrip())

@@ -4,11 +4,11 @@ from typing import Annotated, Any
 
 import typer
 
-from vpf_sim.cli.options import JsonOption, print_json
+from vpf_sim.cli.options import WEATHER, FileArgument, JsonOption, SameJsonOption, print_json, print_validity
 from vpf_sim.cli.tables import print_table
 
 app = typer.Typer(help="List and show weathers; check your own.", no_args_is_help=True, rich_markup_mode=None)
-SameJsonOption = Annotated[bool, typer.Option("--json", help="No effect: the output is always JSON.")]
+WeatherArgument = Annotated[str, typer.Argument(help="Name or file of a weather.", **WEATHER)]
 
 
 @app.command("list")
@@ -25,8 +25,8 @@ def list_weathers(json: JsonOption = False) -> None:
 
 
 @app.command()
-def show(name: str, json: SameJsonOption = False) -> None:  # noqa: ARG001
-    """Show the factors of a weather or weather file and their physical meaning as JSON."""
+def show(name: WeatherArgument, json: SameJsonOption = False) -> None:  # noqa: ARG001
+    """Show a weather's factors and their meaning as JSON."""
     from vpf_sim.envs.camera import weather
     from vpf_sim.evaluation.weather.weather_meaning import aliases, in_words, physical
 
@@ -36,12 +36,15 @@ def show(name: str, json: SameJsonOption = False) -> None:  # noqa: ARG001
 
 
 @app.command()
-def validate(file: Annotated[str, typer.Argument(metavar="FILE")]) -> None:
-    """Check a weather file; exit code 2 with one line per fault."""
+def validate(file: FileArgument, json: JsonOption = False) -> None:
+    """Check a weather file; exit code 2 with a line per fault."""
     from vpf_sim.envs.camera import weather
 
-    weather.load(file)
-    print(f"{file}: valid")
+    def check() -> dict[str, str]:
+        weather.load(file)
+        return {}
+
+    print_validity(file, check, json)
 
 
 def _row(name: str) -> dict[str, Any]:

@@ -1,16 +1,16 @@
-"""The drivers that are known by name, variants of the vision driver, and users' own by "package.module:Class"."""
+"""The drivers that are known by name, variants of the vision driver, and users' own."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
-from typing import cast, get_args
+from inspect import getdoc
 
 from vpf_sim import process_state
+from vpf_sim.drivers import own
 from vpf_sim.drivers.idm import IdmDriver
 from vpf_sim.drivers.neutral import NeutralDriver
 from vpf_sim.drivers.route_followers import RouteDriver
 from vpf_sim.drivers.vision_driver import VisionDriver
-from vpf_sim.errors import InputError, unknown_name
+from vpf_sim.errors import unknown_name
 from vpf_sim.types import Driver, Privilege
 
 VARIANT_PREFIX = "vpf@"  # before the name or file of a variant
@@ -69,56 +69,34 @@ def describe() -> list[Description]:
 
 
 def description(name: str) -> Description:
-    """What a driver of that name is: one of the registry, or the vision driver in a variant."""
+    """What a driver of that name is: one of the registry, the vision driver in a variant, or a user's own."""
+    if name in _REGISTRY:
+        return Description(name, _REGISTRY[name].privileged, _REGISTRY[name].summary)
+    driver = create(name)
+    return Description(name, driver.privileged, _summary(name, driver))
+
+
+def create(driver: own.DriverLike) -> Driver:
+    """A new driver: a registered name, "vpf@VARIANT" (its name or file), or a user's own.
+
+    A user's own is "package.module:Class", a class that is made without arguments, or an instance.
+    """
+    if not isinstance(driver, str):
+        return own.make(driver, own.name_of(driver))
+    if driver.startswith(VARIANT_PREFIX):
+        return VisionDriver(driver.removeprefix(VARIANT_PREFIX))
+    if ":" in driver or own.is_kept(driver):
+        return own.load(driver)
+    if driver not in _REGISTRY:
+        raise unknown_name("driver", driver, _REGISTRY)
+    return _REGISTRY[driver].make()
+
+
+def _summary(name: str, driver: Driver) -> str:
+    """A variant's summary, or the first line of the docstring of a user's class."""
     if name.startswith(VARIANT_PREFIX):
         from vpf_sim.planning import variant
 
-        own, driver = name.removeprefix(VARIANT_PREFIX), create(name)
-        return Description(name, driver.privileged, variant.summary(own) or f"the vision driver, variant {own}")
-    if name not in _REGISTRY:
-        raise unknown_name("driver", name, _REGISTRY)
-    return Description(name, _REGISTRY[name].privileged, _REGISTRY[name].summary)
-
-
-def create(name: str) -> Driver:
-    """A new driver: a registered name, "vpf@VARIANT" (its name or file), or a user's own "package.module:Class"."""
-    if name.startswith(VARIANT_PREFIX):
-        return VisionDriver(name.removeprefix(VARIANT_PREFIX))
-    if ":" in name:
-        return _load(name)
-    if name not in _REGISTRY:
-        raise unknown_name("driver", name, _REGISTRY)
-    return _REGISTRY[name].make()
-
-
-def _load(path: str) -> Driver:
-    """An instance of the class at "package.module:Class", checked against the driver's protocol."""
-    module_name, _, class_name = path.partition(":")
-    try:
-        with process_state.preserved():
-            module = import_module(module_name)
-    except (ImportError, ValueError) as error:
-        raise InputError(f"driver '{path}': cannot import '{module_name}': {error}") from error
-    except Exception as error:
-        raise InputError(f"driver '{path}': importing '{module_name}' raised {_told(error)}") from error
-    found = getattr(module, class_name, None)
-    if not isinstance(found, type):
-        raise InputError(f"driver '{path}': module '{module_name}' has no class '{class_name}'")
-    missing = [part for part in ("privileged", "reset", "act") if not hasattr(found, part)]
-    if missing:
-        raise InputError(f"driver '{path}': expected privileged, reset and act; missing: {', '.join(missing)}")
-    try:
-        with process_state.preserved():
-            driver = cast(Driver, process_state.Isolated(found()))
-    except TypeError as error:
-        raise InputError(f"driver '{path}': expected a class that is made without arguments: {error}") from error
-    except Exception as error:
-        raise InputError(f"driver '{path}': making it raised {_told(error)}") from error
-    if driver.privileged not in get_args(Privilege):
-        raise InputError(f"driver '{path}': privileged: expected none, route or world, got {driver.privileged!r}")
-    return driver
-
-
-def _told(error: Exception) -> str:
-    """An exception of a user's own code in one line; the exception itself is chained."""
-    return " ".join(f"{type(error).__name__}: {error}".split())
+        which = name.removeprefix(VARIANT_PREFIX)
+        return variant.summary(which) or f"the vision driver, variant {which}"
+    return (getdoc(type(process_state.unwrapped(driver))) or "").partition("\n")[0]

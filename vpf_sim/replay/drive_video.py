@@ -9,10 +9,10 @@ import numpy as np
 
 from vpf_sim.replay.frame_table import FrameRow
 from vpf_sim.replay.open_loop_driver import Decision
-from vpf_sim.report import overlay
-from vpf_sim.report.canvas import Canvas
-from vpf_sim.report.signals import LINE, PAPER, PID, RULE, SOFT, write
-from vpf_sim.report.video import Writer
+from vpf_sim.reporting import overlay
+from vpf_sim.reporting.canvas import Canvas
+from vpf_sim.reporting.signals import LINE, PAPER, PID, RULE, SOFT, write
+from vpf_sim.reporting.video import Writer
 from vpf_sim.types import Camera, Floats, Image
 
 STRIP_PX = 84  # height of the plots of commands

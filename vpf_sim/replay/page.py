@@ -14,7 +14,7 @@ from vpf_sim.replay import frame_table
 from vpf_sim.replay.plots import OURS, THEIRS, plots
 from vpf_sim.replay.run_files import table_path, video_path
 from vpf_sim.replay.tables import tables
-from vpf_sim.report.chart import legend_key
+from vpf_sim.reporting.chart import legend_key
 
 NAME = "report.html"
 MOST_INSIDE_BYTES = 4_000_000  # of an embedded video; larger ones are linked
@@ -54,6 +54,6 @@ def _drive(folder: Path, record: dict[str, Any]) -> Drive:
 def _render(**content: Any) -> str:
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.globals["key"] = legend_key
-    style = files("vpf_sim.report").joinpath("report.css.jinja").read_text("utf-8")
+    style = files("vpf_sim.reporting").joinpath("report.css.jinja").read_text("utf-8")
     template = files("vpf_sim.replay").joinpath("page.html.jinja").read_text("utf-8")
     return environment.from_string(template).render(style=Markup(environment.from_string(style).render()), **content)

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from short_scenario import write_short
 
-from vpf_sim.cli import invalid_frames
+from vpf_sim.api import invalid_frames
 from vpf_sim.evaluation.sweeps.json_lines import read_lines
 
 BREAKING = """

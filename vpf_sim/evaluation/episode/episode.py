@@ -33,7 +33,9 @@ class EpisodeResult:
     timing: dict[str, Any]  # wall times, and the traceback of an error
 
 
-def run(scenario: str, weather: str, driver: str, seed: int, watch: Watcher | None = None) -> EpisodeResult:
+def run(
+    scenario: str, weather: str, driver: drivers.DriverLike, seed: int, watch: Watcher | None = None
+) -> EpisodeResult:
     """Drive one episode and score it; `watch` receives each frame with the driver's plan for it.
 
     Without `watch`, only the frames that the driver uses are rendered; the drive is the same. Process settings that the
@@ -46,13 +48,13 @@ def run(scenario: str, weather: str, driver: str, seed: int, watch: Watcher | No
     return result
 
 
-def _run(scenario: str, weather: str, driver: str, seed: int, watch: Watcher | None) -> EpisodeResult:
+def _run(scenario: str, weather: str, driver: drivers.DriverLike, seed: int, watch: Watcher | None) -> EpisodeResult:
     started_s, stopwatch = perf_counter(), Stopwatch()
     tested = drivers.create(driver)
     truth, frames = (("foe",), True) if drivers.uses_images(tested) else ((), watch is not None)
 
     with closing(FourLane(scenario, weather, truth=truth, frames=frames)) as env:
-        job = Job(scenario, weather, driver, seed)
+        job = Job(scenario, weather, drivers.name_of(driver), seed)
         with stopwatch.running():
             outcome = roll_out(env, tested, drivers.create("pid"), seed, watch, stopwatch.end_step)
         wall_s = perf_counter() - started_s

@@ -5,14 +5,15 @@ import os
 import signal
 import sys
 from collections import deque
-from collections.abc import Callable, Generator, Iterable
-from contextlib import suppress
+from collections.abc import Callable, Generator, Iterable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from math import inf
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from threading import Thread
 from time import monotonic
+from types import ModuleType
 from typing import Any, Generic, TypeVar
 
 from vpf_sim.evaluation.processes import watchdog
@@ -95,11 +96,22 @@ def _start(number: int, work: Callable[[Task], Any]) -> "_Worker[Task]":
     ours, theirs = SPAWN.Pipe()
     crash_log, log = SPAWN.Pipe(duplex=False)
     process = SPAWN.Process(target=_serve, args=(theirs, log, work), name=f"worker {number}", daemon=True)
-    with limited_environment():
+    with limited_environment(), _without_main():
         process.start()
     theirs.close()  # so that the pipe ends when the worker dies
     log.close()
     return _Worker(number, process, ours, crash_log)
+
+
+@contextmanager
+def _without_main() -> Iterator[None]:
+    """Hide the main module while a process starts, which would run a user's script again in each worker."""
+    main = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = main
 
 
 def _send(worker: "_Worker[Task]", task: Task, attempt: int, limit_s: "Limit[Task]") -> None:

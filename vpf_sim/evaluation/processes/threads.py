@@ -33,3 +33,16 @@ def limit_opencv() -> None:
 
     cv2.setNumThreads(1)
     cv2.ocl.setUseOpenCL(False)
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Drive in a process of the user's as in one of ours; its number of OpenCV's threads is restored."""
+    import cv2
+
+    threads = cv2.getNumThreads()
+    limit_opencv()
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(threads)

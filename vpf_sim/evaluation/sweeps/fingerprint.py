@@ -43,13 +43,18 @@ def source() -> str:
 
 
 def own_code(driver: str) -> str | None:
-    """SHA-256 of a user's driver: its outermost package or its variant file; None for registered drivers."""
-    from vpf_sim.drivers import VARIANT_PREFIX
+    """SHA-256 of a user's driver: its outermost package or its variant file.
+
+    None for registered drivers, instances, and classes of a notebook or script.
+    """
+    from vpf_sim.drivers import VARIANT_PREFIX, is_importable
     from vpf_sim.planning import variant
 
     if driver.startswith(VARIANT_PREFIX):
         return sha256(repr(variant.load(driver.removeprefix(VARIANT_PREFIX))).encode()).hexdigest()
-    return _code_of(driver.partition(":")[0].partition(".")[0]) if ":" in driver else None
+    if ":" not in driver or not is_importable(driver):
+        return None
+    return _code_of(driver.partition(":")[0].partition(".")[0])
 
 
 @cache

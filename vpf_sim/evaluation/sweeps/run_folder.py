@@ -19,6 +19,7 @@ from vpf_sim.files import DRAFT, write_text
 
 MANIFEST = "manifest.json"
 LINES = ("episodes.jsonl", "timing.jsonl")
+LATEST = "latest"  # in the place of a folder's name
 NO_JOB = Job("", "", "", 0)
 
 
@@ -34,6 +35,17 @@ def new_path(command: str) -> Path:
     raise InputError(f"{stem}: expected a free name for a run folder, found none")
 
 
+def located(path: Path) -> Path:
+    """The folder that a user names: `runs/latest` is the run in runs/ that began last.
+
+    A path without such a run is returned as it is, and refused by its reader.
+    """
+    if path.name != LATEST or path.exists():
+        return path
+    begun = [file for file in path.parent.glob(f"*/{MANIFEST}") if (file.parent / LINES[0]).exists()]
+    return max(begun, key=lambda file: (file.stat().st_mtime_ns, file), default=path / MANIFEST).parent
+
+
 def manifest(command: str, plan: Plan) -> dict[str, Any]:
     """The manifest: command, plan, fingerprint, and hashes of scenarios, weathers and drivers."""
     asked = {key: value for key, value in asdict(plan).items() if value}
@@ -45,18 +57,13 @@ class RunFolder:
 
     def __init__(self, path: Path, asked: dict[str, Any], resume: bool = False, mixed: bool = False) -> None:
         self.path = path
-        self.mark: str | None = None  # the fingerprint's digest, if it differs from the manifest's
-        asked = json.loads(json.dumps(asked))
-        self.asked: dict[str, Any] = asked
-        new = not resume or not (path / MANIFEST).exists()
-        if new:
-            self._make()
-        elif self._continue(asked, mixed):
-            self.mark = digest(asked["fingerprint"])
+        self.asked: dict[str, Any] = json.loads(json.dumps(asked))
+        new, self.mark = admitted(path, asked, resume, mixed)
+        path.mkdir(parents=True, exist_ok=True)
         self._records = JsonLines(path / LINES[0])  # locks the folder
         self._timing = JsonLines(path / LINES[1])
         if new:
-            self.write_json(MANIFEST, asked)
+            self.write_json(MANIFEST, self.asked)
         try:
             self.done = {record["id"] for record in self.records()}
         except InputError:
@@ -104,27 +111,41 @@ class RunFolder:
         path = self.error_file(episode)
         write_text(path, reason.rstrip() + "\n")
 
-    def _make(self) -> None:
-        if self.path.exists() and not self.path.is_dir():
-            raise InputError(f"{self.path}: expected a folder, got a file")
-        if self.path.exists() and not all(map(_is_unwritten, self.path.iterdir())):
-            remedy = "choose another --out, or --resume what is there" if (self.path / MANIFEST).exists() else ""
-            raise InputError(f"{self.path}: expected an empty or new run folder, {remedy or 'got other files'}")
-        self.path.mkdir(parents=True, exist_ok=True)
 
-    def _continue(self, asked: dict[str, Any], mixed: bool) -> bool:
-        """Check that plan and inputs are unchanged; return whether the fingerprint differs, which needs `mixed`."""
-        stored = read_manifest(self.path)
-        for key in ("command", "plan", "scenarios", "weathers", "drivers"):
-            if (stored.get(key) or None) != (asked.get(key) or None):
-                what = change(stored.get(key), asked.get(key))
-                raise InputError(f"{self.path}: --resume: {key} changed: {what}; start a new run")
-        if stored["fingerprint"] == asked["fingerprint"]:
-            return False
-        if not mixed:
-            what = change(stored["fingerprint"], asked["fingerprint"])
-            raise InputError(f"{self.path}: --resume: fingerprint changed: {what}; --mixed accepts it")
-        return True
+def admitted(path: Path, asked: dict[str, Any], resume: bool, mixed: bool) -> tuple[bool, str | None]:
+    """Whether the run of a folder is a new one, and the mark of its records if the fingerprint is another.
+
+    InputError where the folder cannot take the run. Nothing is written.
+    """
+    if not resume or not (path / MANIFEST).exists():
+        _check_new(path)
+        return True, None
+    return False, digest(asked["fingerprint"]) if _has_other_fingerprint(path, asked, mixed) else None
+
+
+def _check_new(path: Path) -> None:
+    if path.name == LATEST:
+        raise InputError(f"{path}: expected another name: this one stands for the run that began last")
+    if path.exists() and not path.is_dir():
+        raise InputError(f"{path}: expected a folder, got a file")
+    if path.exists() and not all(map(_is_unwritten, path.iterdir())):
+        remedy = "choose another --out, or --resume what is there" if (path / MANIFEST).exists() else ""
+        raise InputError(f"{path}: expected an empty or new run folder, {remedy or 'got other files'}")
+
+
+def _has_other_fingerprint(path: Path, asked: dict[str, Any], mixed: bool) -> bool:
+    """Check that plan and inputs are unchanged; return whether the fingerprint differs, which needs `mixed`."""
+    stored, asked = read_manifest(path), json.loads(json.dumps(asked))
+    for key in ("command", "plan", "scenarios", "weathers", "drivers"):
+        if (stored.get(key) or None) != (asked.get(key) or None):
+            what = change(stored.get(key), asked.get(key))
+            raise InputError(f"{path}: --resume: {key} changed: {what}; start a new run")
+    if stored["fingerprint"] == asked["fingerprint"]:
+        return False
+    if not mixed:
+        what = change(stored["fingerprint"], asked["fingerprint"])
+        raise InputError(f"{path}: --resume: fingerprint changed: {what}; --mixed accepts it")
+    return True
 
 
 def _is_unwritten(path: Path) -> bool:

@@ -32,6 +32,12 @@ def local(folder: RunFolder, jobs: Iterable[Job], workers: int, limit_s: Limit) 
     return pool.run(partial(drive_and_store, folder.path, folder.mark, folder.asked), jobs, workers, limit_s)
 
 
+def here(folder: RunFolder, jobs: Iterable[Job]) -> Results:
+    """Drive in this process, one after another, without a time limit: for drivers that no other process can import."""
+    for job in jobs:
+        yield pool.Done(job, drive_and_store(folder.path, folder.mark, folder.asked, job), attempts=1, worker=0)
+
+
 def store(
     folder: RunFolder, results: Iterable[pool.Done[Job, Stored]], notify: Callable[[dict[str, Any]], None]
 ) -> None:

@@ -1,0 +1,152 @@
+"""`vpf_sim.sweep` and `vpf_sim.Run`: from one call to data frames, in worker processes where that can be."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from short_scenario import write_short
+
+import vpf_sim
+from vpf_sim.drivers import RouteDriver
+from vpf_sim.evaluation.sweeps.run_folder import read_manifest
+
+MODULE = """
+import vpf_sim
+
+class Ahead(vpf_sim.Driver):
+    uses_images = False
+    def act(self, observation): return vpf_sim.Command(0.5, 0.0)
+"""
+SCRIPT = (
+    MODULE
+    + """
+print("begins")
+run = vpf_sim.sweep("short.toml", driver=[{drivers}], seeds="0:2", {options})
+print(sorted(run.records["status"]), run.timing["process"].nunique())
+"""
+)
+
+
+class Speed(vpf_sim.Driver):
+    """Accelerates or brakes by its one parameter."""
+
+    uses_images = False
+
+    def __init__(self, throttle: float = 0.5) -> None:
+        self.throttle = throttle
+
+    def act(self, observation: vpf_sim.Observation) -> vpf_sim.Command:  # noqa: ARG002
+        return vpf_sim.Command(self.throttle, 0.0)
+
+
+@pytest.fixture
+def short(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return write_short(tmp_path)
+
+
+def sweep(short: Path, driver: Any, **options: Any) -> vpf_sim.Run:
+    return vpf_sim.sweep(short, **{"driver": driver, "seeds": "0:2", "progress": False, **options})
+
+
+def test_a_sweep_is_data_frames(short: Path) -> None:
+    """One driver brakes and stands, which is no success; the other arrives."""
+    run = sweep(short, {"brakes": Speed(-1.0), "goes": Speed()}, weather=["clear", "rain"])
+    assert run.path.parent == Path("runs")
+    success = run.table.set_index(["driver", "weather"])["success_rate"].to_dict()
+    assert success == {(name, weather): float(name == "goes") for name in ("brakes", "goes") for weather in WEATHERS}
+    assert len(run.records) == 8
+    assert set(run.records.columns[:6]) == {"id", "scenario", "weather", "driver", "seed", "status"}
+    assert set(run.comparisons["of"]) == {"weather", "driver"}
+    steps = run.steps(run.records["id"].iloc[0])
+    assert list(steps["throttle"].iloc[:3]) == [-1.0, -1.0, -1.0]
+
+
+WEATHERS = ("clear", "rain")
+
+
+def test_workers_drive_a_class_that_they_can_import(short: Path) -> None:
+    run = sweep(short, [OwnPid, "neutral"], workers=2)
+    assert os.getpid() not in set(run.timing["process"])
+    assert read_manifest(run.path)["plan"]["driver"] == [f"{__name__}:OwnPid", "neutral"]
+
+
+class OwnPid(RouteDriver):
+    def __init__(self) -> None:
+        super().__init__("pid")
+
+
+def test_an_instance_is_driven_in_this_process(short: Path) -> None:
+    assert set(sweep(short, [Speed(0.6), "neutral"]).timing["process"]) == {os.getpid()}
+
+
+def script(folder: Path, drivers: str, options: str) -> "subprocess.CompletedProcess[str]":
+    (folder / "script.py").write_text(SCRIPT.format(drivers=drivers, options=options))
+    command = [sys.executable, "script.py"]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+
+
+def test_a_script_needs_no_guard(short: Path) -> None:
+    """Workers do not run a user's script again."""
+    done = script(short.parent, "'pid'", "workers=2, progress=False")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == "begins\n['success', 'success'] 2\n"
+
+
+def test_a_class_of_a_script_is_driven_and_shown(short: Path) -> None:
+    done = script(short.parent, "Ahead", "")
+    assert done.stdout == "begins\n['success', 'success'] 1\n"
+    assert [line.split()[0] for line in done.stderr.splitlines()] == ["1/2", "2/2"]
+
+
+def test_a_class_of_a_script_is_refused_for_workers(short: Path) -> None:
+    done = script(short.parent, "Ahead", "workers=2")
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1] == (
+        "vpf_sim.errors.InputError: driver '__main__:Ahead': other processes cannot import it, so it is driven in this "
+        "one, without workers, timeout, cluster and resume; for these, put its class into a module"
+    )
+    assert not (short.parent / "runs").exists()
+
+
+@pytest.mark.parametrize(
+    ("driver", "options", "sentence"),
+    [
+        ([Speed(), Speed(1.0)], {}, f"driver: two are called '{__name__}:Speed()'; name them: driver={{'a': ..., 'b'"),
+        ({"pid": Speed()}, {}, "driver: 'pid' is the name of another driver; choose another key"),
+        ("pid", {"seeds": range(0, 9, 3)}, "seeds: expected 'A:B' or a range of step 1, got range(0, 9, 3)"),
+        ("pid", {"seeds": "5:2"}, "sweep: seeds: expected A:B with A below B, got '5:2', which holds no seed"),
+        ([], {}, "sweep: driver: expected at least one, got none"),
+        ("pid", {"resume": True}, "--resume: expected the folder of the run in --out, got none"),
+    ],
+)
+def test_wrong_use_is_one_sentence(driver: Any, options: dict[str, Any], sentence: str, short: Path) -> None:
+    with pytest.raises(vpf_sim.InputError) as caught:
+        sweep(short, driver, **options)
+    assert str(caught.value).startswith(sentence)
+    assert list(short.parent.iterdir()) == [short], "nothing is left behind"
+
+
+def test_a_sweep_is_resumed(short: Path) -> None:
+    run = sweep(short, "neutral", seeds=range(1), out="mine")
+    before = (run.path / "episodes.jsonl").read_bytes()
+    again = sweep(short, "neutral", seeds=range(1), out="mine", resume=True)
+    assert (again.path / "episodes.jsonl").read_bytes() == before
+
+
+def test_a_report_is_a_page_of_the_run(short: Path) -> None:
+    run = sweep(short, Speed())
+    written = vpf_sim.report("runs/latest", clips=0)
+    assert (written.path, written.page) == (run.path, run.path / "report.html")
+    assert vpf_sim.report(run, out="page.html", clips=0).page == Path("page.html")
+    for page in (run.path / "report.html", Path("page.html")):
+        assert "Speed" in page.read_text("utf-8")
+
+
+@pytest.mark.usefixtures("short")
+def test_what_is_no_run_is_refused() -> None:
+    with pytest.raises(vpf_sim.InputError, match=r"^runs/latest: expected a run folder, got nothing of that name$"):
+        vpf_sim.report("runs/latest")

@@ -1,0 +1,1 @@
+"""What a Python program calls, and the command line as well: drive, sweep and report."""

@@ -1,0 +1,150 @@
+"""One episode."""
+
+import os
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from vpf_sim import drivers
+from vpf_sim.api.paths import StrPath, check_output, path_or_none
+from vpf_sim.drivers import DriverLike
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation.episode import episode
+from vpf_sim.evaluation.processes.threads import one_thread
+from vpf_sim.evaluation.steps import Step, StepTable
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from vpf_sim.evaluation.sweeps.run_folder import RunFolder
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Episode:
+    """A driven episode: its record and its steps.
+
+    >>> episode = vpf_sim.drive("town04", weather="rain")
+    >>> episode.status, episode.record["path_mse_m2"]
+    >>> episode.steps.plot(x="x_m", y="y_m")
+    """
+
+    record: dict[str, Any]  # scores, as in episodes.jsonl of a run folder
+    table: StepTable
+    timing: dict[str, Any]  # `wall_s`, `steps_per_s`, `stages_ms`
+    path: Path | None = None  # the run folder, if it is stored
+
+    def __repr__(self) -> str:
+        last = f", {self.error.strip().splitlines()[-1]}" if self.error else ""
+        return f"<Episode {self.record['id']}: {self.status}{last}>"
+
+    @property
+    def status(self) -> str:
+        """How it ended, such as "success", "collision" or "error"."""
+        return str(self.record["status"])
+
+    @property
+    def error(self) -> str:
+        """The traceback of an exception, of the driver's for example; empty without one."""
+        return str(self.timing.get("traceback", ""))
+
+    @property
+    def steps(self) -> "pd.DataFrame":
+        """A row a frame: state, commands, clearance, perception; NaN where there is no value."""
+        import pandas as pd
+
+        return pd.DataFrame(self.table.rows, columns=list(Step._fields))
+
+
+def drive(
+    scenario: StrPath,
+    *,
+    driver: DriverLike = "vpf",
+    weather: StrPath = "clear",
+    seed: int = 0,
+    video: StrPath | None = None,
+    out: StrPath | bool = False,
+) -> Episode:
+    """Drive one episode and score it.
+
+    >>> vpf_sim.drive("town04", driver=MyDriver(), weather="rain", seed=3).status
+    'success'
+
+    Scenario and weather are names or TOML files. A driver is a name, as on the command line, a class or an instance;
+    an exception that it raises ends the episode with the status "error". `video` is an .mp4 to write, with the
+    driver's view. The episode is stored in a run folder if `out` names one; True stands for a new one under runs/.
+    Raises InputError for an unknown name, an unusable file or a class that is no driver.
+    """
+    with driven(scenario, driver=driver, weather=weather, seed=seed, video=video, out=out) as done:
+        return done
+
+
+@contextmanager
+def driven(
+    scenario: StrPath,
+    *,
+    driver: DriverLike,
+    weather: StrPath,
+    seed: int,
+    video: StrPath | None = None,
+    watch: bool = False,
+    rerun: StrPath | None = None,
+    out: StrPath | bool = False,
+) -> Iterator[Episode]:
+    """The driven and stored episode; video and recording are completed when the context ends.
+
+    Where they do not fit on the disk, all else is stored and can be shown.
+    """
+    from vpf_sim.reporting import viewers
+
+    film, log = path_or_none(video), path_or_none(rerun)
+    check_output("video", film)
+    check_output("rerun", log)
+    names, name = (os.fspath(scenario), os.fspath(weather)), _checked_name(driver, seed)
+    with ExitStack() as stack:
+        stack.enter_context(one_thread())
+        asked = _manifest(*names, name, seed) if out is not False else None
+        attached = stack.enter_context(viewers.attached(film, watch, log))
+        folder = None if asked is None else _open(asked, out)
+        try:
+            result = episode.run(*names, driver, seed, attached.show)
+        except BaseException:  # mostly Ctrl-C
+            if folder is not None:
+                folder.discard()
+            raise
+        if folder is not None:
+            _store(folder, result)
+        yield Episode(result.record, result.steps, result.timing, None if folder is None else folder.path)
+        attached.finish(result.steps)
+
+
+def _checked_name(driver: DriverLike, seed: int) -> str:
+    """The driver's name, by which it is found in this process."""
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+        raise InputError(f"seed: expected a whole number >= 0, got {seed!r}")
+    name = drivers.name_of(driver)
+    if not drivers.is_importable(driver) and not isinstance(driver, str):
+        drivers.keep(name, driver)
+    return name
+
+
+def _manifest(scenario: str, weather: str, driver: str, seed: int) -> dict[str, Any]:
+    from vpf_sim.evaluation.sweeps import run_folder
+    from vpf_sim.evaluation.sweeps.plan import Plan
+
+    return run_folder.manifest("drive", Plan((scenario,), (weather,), (driver,), f"{seed}:{seed + 1}"))
+
+
+def _open(asked: dict[str, Any], out: StrPath | bool) -> "RunFolder":
+    from vpf_sim.evaluation.sweeps import run_folder
+
+    return run_folder.RunFolder(run_folder.new_path("drive") if isinstance(out, bool) else Path(out), asked)
+
+
+def _store(folder: "RunFolder", result: episode.EpisodeResult) -> None:
+    from vpf_sim.evaluation import steps
+
+    steps.write(result.steps, folder.path / "steps" / f"{result.record['id']}.parquet")
+    folder.add(result.record, result.timing)
+    folder.close()

@@ -1,0 +1,65 @@
+"""Drive the missing episodes of a plan into a run folder."""
+
+from contextlib import AbstractContextManager, closing, nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from vpf_sim.api import invalid_frames
+from vpf_sim.api.execution import Execution, of_this_process
+from vpf_sim.api.progress import Notify, progress, say
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation.processes.threads import one_thread
+from vpf_sim.evaluation.sweeps.plan import Plan
+
+if TYPE_CHECKING:
+    from vpf_sim.evaluation.job import Job
+    from vpf_sim.evaluation.sweeps.run_folder import RunFolder
+    from vpf_sim.evaluation.sweeps.sweep import Results
+
+
+def fill(command: str, plan: Plan, how: Execution, show: bool = True) -> Path:
+    """Drive the missing episodes of a plan, write the summary, and return the run folder.
+
+    `show` prints progress on stderr.
+    """
+    from vpf_sim.evaluation.sweeps import cluster, run_folder, sweep
+
+    how.check(plan)
+    limit_s = sweep.limits(how.timeout)
+    asked, bound = run_folder.manifest(command, plan), of_this_process(plan)
+    with cluster.connected(how.cluster, asked, how.mixed) as client, one_thread():
+        folder = run_folder.RunFolder(how.out or run_folder.new_path(command), asked, how.resume, how.mixed)
+        jobs = plan.jobs()
+        missing = [job for job in jobs if job.id not in folder.done]
+        try:
+            results: Results
+            if bound:
+                results = sweep.here(folder, missing)
+            elif client is None:
+                results = sweep.local(folder, missing, how.workers or sweep.default_workers(), limit_s)
+            else:
+                results = cluster.run(client, folder, missing, limit_s, how.mixed)
+            with closing(results), _display(len(jobs), folder, show) as notify:
+                sweep.store(folder, results, notify)
+            _summarize(folder, jobs)
+        except (KeyboardInterrupt, OSError, InputError):
+            say(f"stopped with {len(folder.done)} of {len(jobs)} episodes stored")
+            if not bound:
+                say(f"go on with: {how.resume_command(command, folder.path)}")
+            raise
+        finally:
+            folder.close()
+    return folder.path
+
+
+def _display(total: int, folder: "RunFolder", show: bool) -> AbstractContextManager[Notify]:
+    return progress(total, folder) if show else nullcontext(lambda _: None)
+
+
+def _summarize(folder: "RunFolder", jobs: "list[Job]") -> None:
+    from vpf_sim.evaluation.analysis.benchmark import with_paper
+    from vpf_sim.evaluation.analysis.summary import summarize
+
+    records = folder.records()
+    folder.write_json("summary.json", with_paper(summarize(jobs, records)))
+    invalid_frames.warn(records)

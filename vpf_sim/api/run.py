@@ -1,0 +1,78 @@
+"""A stored run as pandas data frames."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from vpf_sim.api.paths import StrPath
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation.steps import Step
+from vpf_sim.evaluation.sweeps.run_folder import located, stored_plan
+from vpf_sim.reporting.stored_run import open_run
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+NAMES = ("id", "scenario", "weather", "driver", "seed", "status", "of", "minus", "episodes", "success_rate")
+
+
+class Run:
+    """The run in a folder, such as "runs/latest".
+
+    >>> run = vpf_sim.Run("runs/latest")
+    >>> run.records.groupby("driver")["path_mse_m2"].mean()
+    >>> run.steps(run.records["id"][0]).plot(x="x_m", y="y_m")
+
+    Keys of a table within a record are joined by dots: "comfort.comfortable". Raises InputError where the folder holds
+    no run.
+    """
+
+    def __init__(self, path: StrPath, page: Path | None = None) -> None:
+        self.path = located(Path(path))
+        self.page = page  # the report, if `vpf_sim.report` wrote it
+        self._stored = open_run(self.path)
+
+    def __repr__(self) -> str:
+        return f"<Run {self.path}: {len(self._stored.records)} episodes>"
+
+    @property
+    def records(self) -> "pd.DataFrame":
+        """A row an episode, sorted by id: names, seed, status and scores."""
+        return _frame(self._stored.records.values())
+
+    @property
+    def timing(self) -> "pd.DataFrame":
+        """A row an episode: measured times."""
+        return _frame(self._stored.timing.values())
+
+    @property
+    def table(self) -> "pd.DataFrame":
+        """A row for each scenario, weather and driver: shares, means and 95 % intervals."""
+        return _frame(self.summary()["rows"])
+
+    @property
+    def comparisons(self) -> "pd.DataFrame":
+        """A row for each difference between two drivers or weathers on the same seeds."""
+        return _frame(self.summary()["comparisons"])
+
+    def steps(self, episode: str) -> "pd.DataFrame":
+        """A row a frame of the episode with this id; InputError where it has no steps."""
+        import pandas as pd
+
+        self._stored.record(episode)
+        table = self._stored.steps(episode)
+        if table is None:
+            raise InputError(f"{episode}: expected an episode with steps, got one that never began")
+        return pd.DataFrame(table.rows, columns=list(Step._fields))
+
+    def summary(self) -> dict[str, Any]:
+        """The rows and comparisons, as in summary.json of the folder."""
+        return self._stored.summary(stored_plan(self.path).jobs())
+
+
+def _frame(rows: Iterable[dict[str, Any]]) -> "pd.DataFrame":
+    """A data frame with the names first."""
+    import pandas as pd
+
+    frame = pd.json_normalize(list(rows))
+    return frame[[*(name for name in NAMES if name in frame), *(name for name in frame if name not in NAMES)]]

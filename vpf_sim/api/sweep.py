@@ -1,0 +1,76 @@
+"""A grid of episodes."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from vpf_sim import drivers
+from vpf_sim.api.execution import Execution
+from vpf_sim.api.filling import fill
+from vpf_sim.api.paths import StrPath, texts
+from vpf_sim.api.run import Run
+from vpf_sim.drivers import DriverLike
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation.sweeps import run_folder
+from vpf_sim.evaluation.sweeps.plan import make_plan
+
+Drivers: TypeAlias = DriverLike | Iterable[DriverLike] | Mapping[str, DriverLike]
+
+
+def sweep(
+    scenario: StrPath | Iterable[StrPath] = "town04",
+    *,
+    driver: Drivers = "vpf",
+    weather: StrPath | Iterable[StrPath] = "clear",
+    seeds: str | range = "0:5",
+    workers: int | None = None,
+    timeout: float | None = None,
+    out: StrPath | None = None,
+    resume: bool = False,
+    progress: bool = True,
+) -> Run:
+    """Drive every scenario in every weather with every driver and seed, and store them in a run folder.
+
+    >>> run = vpf_sim.sweep("town04", driver=["vpf", MyDriver], weather=["clear", "rain"], seeds=range(10))
+    >>> run.table[["weather", "driver", "success_rate"]]
+
+    Of each kind, one or several are given, as to `drive`. Drivers in a mapping are called by its keys, as are two
+    instances of one class: `driver={"slow": MyDriver(4.0), "fast": MyDriver(8.0)}`. Seeds are "A:B", without B, or a
+    range. Worker processes drive side by side, by default one per core. They cannot import instances, nor classes of a
+    notebook or script: with any of these, all episodes are driven in this process, one after another. `timeout` is the
+    time limit of an episode in s, by default from its scenario. `out` is the run folder, by default a new one under
+    runs/; with `resume` it is continued. `progress` prints a line for each episode on stderr, or a bar on a terminal.
+    Raises InputError for an unknown name, an unusable file or a class that is no driver.
+    """
+    table = {
+        "scenario": texts(scenario),
+        "weather": texts(weather),
+        "driver": _names(driver),
+        "seeds": seeds if isinstance(seeds, str) else _span(seeds),
+    }
+    folder = None if out is None else run_folder.located(Path(out))
+    how = Execution(workers, timeout, out=folder, resume=resume)
+    return Run(fill("sweep", make_plan(table, "sweep"), how, progress))
+
+
+def _names(given: Drivers) -> list[str]:
+    """The names of drivers; those that no name leads to are kept for this process."""
+    several: Any = given if isinstance(given, Iterable) and not isinstance(given, str | type) else [given]
+    named = [*several.items()] if isinstance(several, Mapping) else [(drivers.name_of(one), one) for one in several]
+    known: dict[str, DriverLike] = {}
+    for name, one in named:
+        if name in known and known[name] is not one and name != one:
+            raise InputError(f"driver: two are called '{name}'; name them: driver={{'a': ..., 'b': ...}}")
+        if isinstance(several, Mapping) and name in drivers.names():
+            raise InputError(f"driver: '{name}' is the name of another driver; choose another key")
+        known[name] = one
+        if not drivers.is_importable(one) or name != drivers.name_of(one):
+            drivers.keep(name, one)
+    return list(known)
+
+
+def _span(seeds: range) -> str:
+    """A range as "A:B"."""
+    if not isinstance(seeds, range) or seeds.step != 1:
+        raise InputError(f"seeds: expected 'A:B' or a range of step 1, got {seeds!r}")
+    return f"{seeds.start}:{seeds.stop}"

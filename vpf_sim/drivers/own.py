@@ -1,0 +1,110 @@
+"""Users' own drivers: by "package.module:Class", as a class, or as an instance."""
+
+import sys
+from importlib import import_module
+from typing import Protocol, TypeAlias, cast, get_args
+
+from vpf_sim import process_state
+from vpf_sim.errors import InputError
+from vpf_sim.types import Command, Driver, DriverSetup, Observation, Privilege
+
+PARTS = ("privileged", "reset", "act")
+
+
+class OwnDriver(Protocol):
+    """The three members that a class needs to be a driver; `vpf_sim.Driver` has more, with defaults."""
+
+    @property
+    def privileged(self) -> str:
+        """ "none", "route" or "world"."""
+        ...
+
+    def reset(self, setup: DriverSetup) -> None:
+        """Begin an episode."""
+        ...
+
+    def act(self, observation: Observation) -> Command:
+        """The command at one step."""
+        ...
+
+
+DriverLike: TypeAlias = str | OwnDriver | type[OwnDriver]
+
+_KEPT: dict[str, object] = {}  # classes and instances that are found by no import, by the name in their records
+
+
+def name_of(driver: DriverLike) -> str:
+    """The driver's name in records: "module:Class" of a class, "module:Class()" of an instance."""
+    if isinstance(driver, str):
+        return driver
+    own = process_state.unwrapped(driver)
+    kind = own if isinstance(own, type) else type(own)
+    name = f"{kind.__module__}:{kind.__qualname__}"
+    return name if own is kind else f"{name}()"
+
+
+def keep(name: str, driver: DriverLike) -> None:
+    """Let `create(name)` make this driver for as long as the process lives."""
+    _KEPT[name] = driver
+
+
+def is_kept(name: str) -> bool:
+    """Whether `keep` was called with this name."""
+    return name in _KEPT
+
+
+def is_importable(driver: DriverLike) -> bool:
+    """Whether other processes find the driver by its name: not an instance, nor a class of a notebook or script."""
+    if isinstance(driver, str):
+        return not is_kept(driver) and not driver.startswith("__main__:")
+    if not isinstance(driver, type):
+        return False
+    module = sys.modules.get(driver.__module__)
+    return driver.__module__ != "__main__" and getattr(module, driver.__qualname__, None) is driver
+
+
+def make(driver: object, name: str) -> Driver:
+    """The driver of a class or instance, checked against the protocol; InputError where it is none."""
+    driver = process_state.unwrapped(driver)
+    missing = [part for part in PARTS if not hasattr(driver, part)]
+    if missing:
+        raise InputError(f"driver '{name}': expected privileged, reset and act; missing: {', '.join(missing)}")
+    made = cast(Driver, process_state.Isolated(_instance(driver, name) if isinstance(driver, type) else driver))
+    if made.privileged not in get_args(Privilege):
+        raise InputError(f"driver '{name}': privileged: expected none, route or world, got {made.privileged!r}")
+    return made
+
+
+def load(name: str) -> Driver:
+    """A driver of the class at "package.module:Class", or the one that is kept under this name."""
+    return make(_KEPT[name] if name in _KEPT else _class_at(name), name)
+
+
+def _class_at(name: str) -> type:
+    module_name, _, class_name = name.partition(":")
+    try:
+        with process_state.preserved():
+            module = import_module(module_name)
+    except (ImportError, ValueError) as error:
+        raise InputError(f"driver '{name}': cannot import '{module_name}': {error}") from error
+    except Exception as error:
+        raise InputError(f"driver '{name}': importing '{module_name}' raised {_told(error)}") from error
+    found = getattr(module, class_name, None)
+    if not isinstance(found, type):
+        raise InputError(f"driver '{name}': module '{module_name}' has no class '{class_name}'")
+    return found
+
+
+def _instance(kind: type, name: str) -> object:
+    try:
+        with process_state.preserved():
+            return kind()
+    except TypeError as error:
+        raise InputError(f"driver '{name}': expected a class that is made without arguments: {error}") from error
+    except Exception as error:
+        raise InputError(f"driver '{name}': making it raised {_told(error)}") from error
+
+
+def _told(error: Exception) -> str:
+    """An exception of a user's own code in one line; the exception itself is chained."""
+    return " ".join(f"{type(error).__name__}: {error}".split())

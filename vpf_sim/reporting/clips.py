@@ -1,0 +1,81 @@
+"""Short video clips of failures, small enough to embed in a page."""
+
+from base64 import b64encode
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import cv2
+
+from vpf_sim.reporting import episode_view
+from vpf_sim.reporting.pictures import jpeg
+from vpf_sim.reporting.redraw import redrawing
+from vpf_sim.reporting.stored_run import Record, StoredRun
+from vpf_sim.reporting.video import Writer
+from vpf_sim.types import Image
+
+LENGTH_S, RATE_HZ = 6.0, 30.0
+SCALE = 0.75
+CRF = 27  # of x264: about half a megabyte a clip
+POSTER_QUALITY = 70  # of JPEG
+
+
+@dataclass(frozen=True, slots=True)
+class Clip:
+    """A video of the end of an episode."""
+
+    episode: str
+    ending: str
+    remarks: tuple[str, ...]
+    video: str  # data URI
+    poster: str  # data URI of its last frame
+    width_px: int
+    height_px: int
+
+
+def choose(records: Iterable[Record], drivers: Sequence[str], count: int) -> list[Record]:
+    """Up to `count` unsuccessful episodes, different kinds of failure and cells first."""
+    order = {driver: number for number, driver in enumerate(drivers)}
+    failed = [record for record in records if record["status"] != "success" and record["steps"] > 0]
+    failed.sort(key=lambda record: (order.get(record["driver"], len(order)), record["seed"], record["id"]))
+    kinds: Counter[tuple[str, ...]] = Counter()
+    cells: Counter[tuple[str, ...]] = Counter()
+    ranked = []
+    for number, record in enumerate(failed):
+        kind = (record["driver"], record["status"])
+        cell = (*kind, record["scenario"], record["weather"])
+        ranked.append((0 if kinds[kind] == 0 else 1 + cells[cell], number, record))
+        kinds[kind] += 1
+        cells[cell] += 1
+    return [record for *_, record in sorted(ranked, key=lambda item: item[:2])[:count]]
+
+
+def make(run: StoredRun, record: Record) -> Clip:
+    """Re-render the episode and encode its end."""
+    drawn = redrawing(run, record["id"], replan=True)
+    last = len(drawn.table)
+    first, stride = max(0, last - round(LENGTH_S * drawn.rate_hz)), max(1, round(drawn.rate_hz / RATE_HZ))
+    size = tuple(round(SCALE * side / 2) * 2 for side in episode_view.size_px(drawn.camera))
+    width, height = size
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "clip.mp4"
+        with Writer(path, (width, height), drawn.rate_hz / stride, CRF) as writer:
+            for _, frame in episode_view.frames(drawn, lambda row: row >= first and (last - row) % stride == 0):
+                small: Image = cv2.resize(frame, (width, height), interpolation=cv2.INTER_AREA)  # type: ignore[assignment]
+                writer.write(small)
+        video = path.read_bytes()
+    return Clip(
+        record["id"],
+        episode_view.ending(drawn),
+        tuple(drawn.remarks),
+        _uri("video/mp4", video),
+        _uri("image/jpeg", jpeg(small, POSTER_QUALITY)),
+        width,
+        height,
+    )
+
+
+def _uri(kind: str, content: bytes) -> str:
+    return f"data:{kind};base64,{b64encode(content).decode('ascii')}"

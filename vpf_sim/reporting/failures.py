@@ -1,0 +1,69 @@
+"""Unsuccessful episodes, grouped by cell and kind of ending."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any
+
+from vpf_sim.reporting.cells import formatted, shown
+from vpf_sim.reporting.stored_run import Record
+
+
+@dataclass(frozen=True, slots=True)
+class FailureGroup:
+    """Episodes of one cell and driver with the same ending."""
+
+    scenario: str
+    weather: str
+    driver: str
+    status: str
+    collided_with: str | None
+    reason: str
+    seeds: tuple[int, ...]
+    way: str  # route completion in percent: "12.0 to 55.2"
+    example: str  # the id of one episode
+
+
+def endings(failed: Sequence[Record], reason: Callable[[str], str | None]) -> list[FailureGroup]:
+    """The failed records grouped, in their order of cells; `reason` returns the error of an id."""
+
+    def alike(record: Record) -> tuple[str, ...]:
+        cell = tuple(str(record[key]) for key in ("scenario", "weather", "driver", "status"))
+        return (*cell, record.get("collided_with") or "", reason(record["id"]) or "")
+
+    cells = {key: number for number, key in reversed([*enumerate(map(_cell, failed))])}
+    ordered = sorted(failed, key=lambda record: (cells[_cell(record)], alike(record), record["seed"]))
+    return [_ending(key, list(found)) for key, found in groupby(ordered, key=alike)]
+
+
+def ranges(seeds: Sequence[int]) -> str:
+    """Sorted seeds with ranges: "3, 5, 7–9"."""
+    runs: list[list[int]] = []
+    for seed in seeds:
+        if runs and seed == runs[-1][-1] + 1:
+            runs[-1].append(seed)
+        else:
+            runs.append([seed])
+    return ", ".join(f"{run[0]}–{run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs)
+
+
+def _cell(record: Record) -> tuple[Any, ...]:
+    return record["scenario"], record["weather"], record["driver"]
+
+
+def _ending(key: tuple[str, ...], found: list[Record]) -> FailureGroup:
+    scenario, weather, driver, status, collided_with, reason = key
+    driven = sorted(float(record["route_completion"]) for record in found)
+    shares = list(dict.fromkeys(formatted(share, 1, percent=True) for share in (driven[0], driven[-1])))
+    seeds = tuple(int(record["seed"]) for record in found)
+    return FailureGroup(
+        shown(scenario),
+        shown(weather),
+        driver,
+        status.replace("_", " "),
+        collided_with or None,
+        reason,
+        seeds,
+        " to ".join(shares),
+        found[0]["id"],
+    )

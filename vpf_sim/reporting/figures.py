@@ -1,0 +1,127 @@
+"""The charts of a report: paths and commands by scenario and weather, and dot charts of scores."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+from vpf_sim.errors import InputError
+from vpf_sim.reporting import commands, interval_chart, paths
+from vpf_sim.reporting.cells import Order, Row, at, interval_of, shown
+from vpf_sim.reporting.commands import CommandCharts
+from vpf_sim.reporting.paths import Chart, Track
+from vpf_sim.reporting.road_layout import layouts
+from vpf_sim.reporting.run_data import RunData
+from vpf_sim.reporting.stored_run import Record, StoredRun
+
+MOST_TRACKS = 30  # seeds with drawn paths
+MOST_PATHS, MOST_COMMANDS = 12, 6  # pairs of scenario and weather
+DOTS = (  # key, title, scale, ends of the axis
+    ("success_rate", "Episodes that reached the goal, %", 100.0, (0.0, 100.0)),
+    ("path_mse_m2", "Path MSE, m²", 1.0, None),
+    ("accuracy.shadow.throttle.range", "Throttle accuracy, % (range, shadow)", 100.0, (0.0, 100.0)),
+    ("accuracy.shadow.steering.range", "Steering accuracy, % (range, shadow)", 100.0, (0.0, 100.0)),
+    ("driving_score_2_1", "CARLA driving score 2.1", 1.0, (0.0, 1.0)),
+    ("min_clearance_m", "Least clearance of an episode, mean, m", 1.0, None),
+)
+PAPER_KEYS = {
+    "path_mse_m2": "path_mse_m2",
+    "accuracy.shadow.throttle.range": "throttle",
+    "accuracy.shadow.steering.range": "steering",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """The charts of one scenario in one weather."""
+
+    title: str
+    drivers: tuple[str, ...]
+    paths: tuple[Chart, ...]
+    commands: tuple[CommandCharts, ...]
+
+
+@dataclass(slots=True)
+class Sections:
+    """The drawn sections, and reasons for those left out."""
+
+    drawn: list[Section] = field(default_factory=list)
+    left_out: list[str] = field(default_factory=list)
+
+
+def sections(run_data: RunData) -> Sections:
+    """Charts of paths and commands for each scenario and weather."""
+    found, changed = Sections(), run_data.changed()
+    for number, (scenario, weather) in enumerate(run_data.order.cells()):
+        title = f"{shown(scenario)}, {shown(weather)}"
+        if number >= MOST_PATHS:
+            found.left_out.append(f"{title}: only the first {MOST_PATHS} are drawn")
+        elif scenario in changed:
+            found.left_out.append(f"{title}: the scenario has changed since the run")
+        else:
+            _add(found, run_data, scenario, weather, title)
+    return found
+
+
+def _add(found: Sections, run_data: RunData, scenario: str, weather: str, title: str) -> None:
+    here = run_data.at(scenario, weather)
+    seeds = sorted({int(record["seed"]) for record in here})[:MOST_TRACKS]
+    tracks = list(_tracks(run_data, [record for record in here if record["seed"] in seeds]))
+    if not tracks:
+        return
+    try:
+        where = layouts(scenario, seeds)
+    except InputError as error:
+        found.left_out.append(f"{title}: {error}")
+        return
+    first = [record for record in here if record["seed"] == seeds[0] and record["driver"] != "pid"]
+    beside = tuple(_commands(run_data.run, run_data.order, first)) if len(found.drawn) < MOST_COMMANDS else ()
+    drivers = tuple(dict.fromkeys(record["driver"] for record in here))
+    found.drawn.append(Section(title, drivers, tuple(paths.charts(where, tracks, title)), beside))
+
+
+def _tracks(run_data: RunData, records: Sequence[Record]) -> Iterator[Track]:
+    """The paths; the first driver's come last and are drawn on top."""
+    for record in reversed(records):
+        table = run_data.run.steps(record["id"])
+        if table is not None:
+            yield Track(record["seed"], run_data.order.style(record["driver"]), record["status"] == "success", table)
+
+
+def _commands(run: StoredRun, order: Order, records: Sequence[Record]) -> Iterator[CommandCharts]:
+    for record in records:
+        table = run.steps(record["id"])
+        if table is not None:
+            yield commands.charts(record["driver"], record["id"], order.style(record["driver"]), table)
+
+
+def scores(rows: Sequence[Row], order: Order) -> Iterator[Chart]:
+    """One chart per score, with the paper's values."""
+    for key, title, scale, ends in DOTS:
+        found = [dot for row in rows if (dot := _dot(row, key, scale, order))]
+        if found:
+            yield Chart(
+                title, interval_chart.chart(found, _marks(rows, order, PAPER_KEYS.get(key), scale), title, ends)
+            )
+
+
+def _dot(row: Row, key: str, scale: float, order: Order) -> interval_chart.Dot | None:
+    value, grey = at(row, key), False
+    if value is None:
+        value, grey = at(row.get("unsuccessful") or {}, key), True
+    if value is None:
+        return None
+    weather = order.weathers.index(row["weather"])
+    ends = None if grey else interval_of(row, key)
+    scaled = ends and (scale * ends[0], scale * ends[1])
+    return interval_chart.Dot(
+        shown(row["scenario"]), row["driver"], weather, order.style(row["driver"]), scale * value, scaled, grey
+    )
+
+
+def _marks(rows: Sequence[Row], order: Order, key: str | None, scale: float) -> list[interval_chart.Mark]:
+    if key is None:
+        return []
+    found = {(row["scenario"], row["weather"]): scale * row["paper"][key] for row in rows if row.get("paper")}
+    return [
+        interval_chart.Mark(shown(scenario), order.weathers.index(weather), value)
+        for (scenario, weather), value in found.items()
+    ]

@@ -1,0 +1,111 @@
+"""The report of a run: one self-contained HTML file without scripts."""
+
+from collections.abc import Callable
+from importlib.resources import files
+from typing import Any
+
+from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
+
+from vpf_sim.errors import InputError
+from vpf_sim.reporting import accuracy, answer, cells, clips, failures, figures, interval_chart, success_map, tables
+from vpf_sim.reporting.cells import shown
+from vpf_sim.reporting.chart import legend_key
+from vpf_sim.reporting.clips import Clip
+from vpf_sim.reporting.run_data import RunData
+from vpf_sim.reporting.stored_run import StoredRun
+from vpf_sim.shell import command
+
+MOST_LISTED = 40  # groups of failures
+Notify = Callable[[str], None]
+
+
+def make(run: StoredRun, clip_count: int, notify: Notify) -> str:
+    """The page as HTML; `notify` receives progress messages."""
+    run_data = RunData.of(run)
+    notify("drawing the paths and commands")
+    content = {**_headline(run_data), **_charts(run_data), **_tables(run_data), **_failures(run_data)}
+    return render({**content, "clips": _clips(run_data, clip_count, notify)})
+
+
+def render(content: dict[str, Any]) -> str:
+    """Fill the template."""
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    environment.globals["key"] = legend_key
+    environment.filters["shown"] = shown
+    folder = files("vpf_sim.reporting")
+    style = Markup(environment.from_string(folder.joinpath("report.css.jinja").read_text("utf-8")).render())
+    template = environment.from_string(folder.joinpath("report.html.jinja").read_text("utf-8"))
+    return template.render(style=style, **content)
+
+
+def _headline(run_data: RunData) -> dict[str, Any]:
+    """The headline, and the run's plan and fingerprint."""
+    return {
+        "command": run_data.command,
+        "plan": run_data.plan,
+        "order": run_data.order,
+        "question": answer.question(run_data.command, run_data.order),
+        "answers": answer.sentences(run_data.command, run_data.rows, run_data.order),
+        "driven": len(run_data.records),
+        "planned": len(run_data.jobs),
+        "folder": str(run_data.run.path),
+        "video_command": lambda episode: command("video", run_data.run.path, id=episode),
+        "fingerprint": run_data.run.manifest["fingerprint"],
+        "mixed": sorted({str(one["fingerprint"]) for one in run_data.records.values() if "fingerprint" in one}),
+        "changed": sorted(shown(name) for name in run_data.changed()),
+    }
+
+
+def _charts(run_data: RunData) -> dict[str, Any]:
+    found = figures.sections(run_data)
+    return {
+        "sections": found.drawn,
+        "left_out": found.left_out,
+        "dots": list(figures.scores(run_data.rows, run_data.order)),
+        "marks": interval_chart.SIGNS,
+    }
+
+
+def _tables(run_data: RunData) -> dict[str, Any]:
+    rows, order, records = run_data.rows, run_data.order, list(run_data.records.values())
+    compared = run_data.summary.get("comparisons") or []
+    return {
+        "columns": cells.MAIN,
+        "groups": cells.groups(rows, order),
+        "has_paper": any(row.get("paper") for row in rows),
+        "accuracies": [(name, accuracy.by_definition(rows, order, name)) for name in accuracy.SIGNALS],
+        "parts": accuracy.by_part(rows, order),
+        "map": list(success_map.rows(run_data.jobs, run_data.records, order)),
+        "signs": success_map.signs(run_data.jobs, run_data.records),
+        "sign_of": success_map.SIGNS,
+        "weather_differences": tables.comparisons(compared, "weather", order),
+        "driver_differences": tables.comparisons(compared, "driver", order),
+        "seeds_needed": tables.seeds_needed(rows, order),
+        "perception": tables.perception(rows, order, tables.PERCEPTION),
+        "objects": tables.perception(rows, order, tables.OBJECTS),
+        "comfort": tables.comfort(records, order),
+        "compute": tables.compute(run_data.run.timing, records, order),
+        "hosts": sorted({str(time["host"]) for time in run_data.run.timing.values() if "host" in time}),
+    }
+
+
+def _failures(run_data: RunData) -> dict[str, Any]:
+    found = failures.endings(run_data.failures(), run_data.run.reason)
+    return {
+        "failures": [(ending, failures.ranges(ending.seeds)) for ending in found[:MOST_LISTED]],
+        "unlisted": sum(len(ending.seeds) for ending in found[MOST_LISTED:]),
+    }
+
+
+def _clips(run_data: RunData, count: int, notify: Notify) -> list[Clip]:
+    """Clips of failures; those that cannot be re-rendered, as without the scenario's file, are skipped."""
+    chosen = clips.choose(run_data.failures(), run_data.order.drivers, count)
+    made = []
+    for number, record in enumerate(chosen, start=1):
+        notify(f"rendering {record['id']}, clip {number} of {len(chosen)}")
+        try:
+            made.append(clips.make(run_data.run, record))
+        except InputError as error:
+            notify(f"{record['id']} cannot be re-rendered: {error}")
+    return made

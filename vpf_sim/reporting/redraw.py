@@ -1,0 +1,143 @@
+"""Re-renders an episode of a run folder from its steps and seed.
+
+The stored poses give the frames, and the driver recomputes its plans on them. With the run's code and machine both are
+identical to the run; the hash of the frames verifies it.
+"""
+
+from collections.abc import Iterator
+from contextlib import closing
+from dataclasses import dataclass, field
+from hashlib import sha256
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from vpf_sim import drivers
+from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.envs.rectangles import solid_objects
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation.episode.episode import read, setup_for
+from vpf_sim.evaluation.episode.pose_playback import TOLERANCE, PosePlayback, rate_of
+from vpf_sim.evaluation.steps import StepTable
+from vpf_sim.reporting.stored_run import Record, StoredRun
+from vpf_sim.reporting.top_view import Rectangle, Scene
+from vpf_sim.types import Camera, Command, Driver, Image, Observation, Plan
+
+BEYOND_M = 60.0  # drawn beyond the road's ends
+EVERY_M = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """One frame of the episode, with plan and objects."""
+
+    index: int  # the row of the step table
+    image: Image  # (H, W, 3) RGB
+    plan: Plan | None
+    objects: tuple[Rectangle, ...]
+
+
+@dataclass(slots=True)
+class Redrawing:
+    """An episode to re-render; after `moments` ends, `remarks` lists deviations from the run."""
+
+    record: Record
+    table: StepTable
+    replan: bool  # whether the driver recomputes its plans
+    remarks: list[str] = field(default_factory=list)
+    camera: Camera = field(init=False)
+    scene: Scene = field(init=False)
+    rate_hz: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.rate_hz = rate_of(self.table)
+        with closing(self._world()) as world:
+            world.reset(seed=self.record["seed"])
+            self.camera, self.scene = world.camera, scene_of(world)
+
+    def moments(self) -> Iterator[Moment]:
+        """Yield every frame in order, with the driver's plan if `replan` is set and it has one."""
+        digest = sha256()
+        with closing(self._world()) as world:
+            observed, _ = world.reset(seed=self.record["seed"])
+            replanner = (
+                _Replanner(self.record["driver"], world, self.table, self.record["seed"]) if self.replan else None
+            )
+            for index in range(len(self.table) + 1):
+                observation = read(observed)
+                objects = tuple(rectangle_of(obj) for obj in solid_objects(world.ego))
+                if self.table.looked[index]:
+                    digest.update(np.ascontiguousarray(observation.image).data)
+                plan = replanner.plan(index, observation) if replanner else None
+                yield Moment(index, observation.image, plan, objects)
+                if index < len(self.table):
+                    observed = world.step(np.array([self.table.throttle[index], self.table.steering[index]]))[0]
+        same = self.record.get("frames_sha256") in (None, digest.hexdigest())  # None: its driver used no frames
+        self._remark(same, world.largest_correction_m, replanner)
+
+    def _world(self) -> PosePlayback:
+        return PosePlayback(self.record["scenario"], self.record["weather"], self.table)
+
+    def _remark(self, same: bool, moved_m: float, replanner: "_Replanner | None") -> None:
+        if not same:
+            self.remarks.append("the frames differ from the run's: another version of the code, or another machine")
+        if moved_m > TOLERANCE:
+            self.remarks.append(f"the car would now deviate by up to {moved_m:.2f} m; its stored poses are drawn")
+        if replanner is not None:
+            self.remarks += replanner.remarks
+
+
+class _Replanner:
+    """Recomputes the driver's plans."""
+
+    def __init__(self, name: str, world: Any, table: StepTable, seed: int) -> None:
+        self.remarks: list[str] = []
+        self._table = table
+        self._driver: Driver | None = None
+        try:
+            self._driver = drivers.create(name)
+        except InputError as error:  # a class of a notebook, or of a module that has moved
+            self.remarks.append(f"without the driver's view: {error}")
+        else:
+            self._driver.reset(setup_for(self._driver, world, seed))
+
+    def plan(self, index: int, observation: Observation) -> Plan | None:
+        """The plan for a frame; None if the driver has none, failed, or gave no command in the run."""
+        if self._driver is None or not isfinite(self._table.throttle[index]):
+            return None
+        try:
+            command = drivers.command_of(self._driver, observation)
+        except Exception as error:  # raised by the driver
+            self.remarks.append(f"the driver fails on frame {index}: {type(error).__name__}: {error}")
+            self._driver = None
+            return None
+        if not self.remarks and command != Command(
+            float(self._table.throttle[index]), float(self._table.steering[index])
+        ):
+            self.remarks.append(f"from frame {index} on the driver's commands differ from the run")
+        return drivers.trace_of(self._driver)
+
+
+def redrawing(run: StoredRun, episode_id: str, replan: bool) -> Redrawing:
+    """The episode of a run folder with this id."""
+    record = run.record(episode_id)
+    table = run.steps(episode_id)
+    if table is None:
+        raise InputError(f"{episode_id}: expected an episode with steps, got one that never began ({record['status']})")
+    return Redrawing(record, table, replan)
+
+
+def scene_of(world: FourLane) -> Scene:
+    """The static scene of an environment in world axes."""
+    network = world.road.network
+    along = np.arange(-BEYOND_M, network.centre.length_m + BEYOND_M, EVERY_M)
+    lanes = round(2.0 * network.half_width_m / network.lane_width_m)
+    offsets = [-network.half_width_m + network.lane_width_m * line for line in range(lanes + 1)]
+    return Scene(tuple(network.centre.position(along, offset) for offset in offsets), world.route.copy(), world.goal_m)
+
+
+def rectangle_of(obj: Any) -> Rectangle:
+    """The outline of an object of the environment."""
+    x_m, y_m = (float(value) for value in obj.position)
+    return Rectangle(x_m, y_m, float(obj.heading), float(obj.LENGTH), float(obj.WIDTH), str(obj.kind))

@@ -1,0 +1,155 @@
+"""Top view of the road, heading up: lanes, objects, route, goal, trail, and perceived obstacles."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vpf_sim.reporting.canvas import INK, Canvas, Colour
+from vpf_sim.reporting.compass import OBSTACLE, REFERENCE, TARGET
+from vpf_sim.types import Camera, Floats, Image, Plan
+
+AHEAD_M = 52.0
+BEHIND_M = 14.0
+MEADOW: Colour = (38, 46, 42)
+ASPHALT: Colour = (66, 70, 76)
+MARKING: Colour = (150, 155, 160)
+OBJECT: Colour = (214, 120, 92)
+EGO: Colour = (92, 176, 255)
+EGO_SIZE_M = (4.5, 1.9)
+DASH_M, GAP_M = 3.0, 6.0
+
+
+@dataclass(frozen=True, slots=True)
+class Rectangle:
+    """The outline of an object in world axes."""
+
+    x_m: float
+    y_m: float
+    heading_rad: float
+    length_m: float
+    width_m: float
+    kind: str
+
+    @property
+    def corners_m(self) -> Floats:
+        """(4, 2) m, the corners in order."""
+        cosine, sine = np.cos(self.heading_rad), np.sin(self.heading_rad)
+        along = 0.5 * self.length_m * np.array([cosine, sine])
+        across = 0.5 * self.width_m * np.array([-sine, cosine])
+        centre = np.array([self.x_m, self.y_m])
+        return np.stack([centre + i * along + j * across for i, j in ((1, 1), (1, -1), (-1, -1), (-1, 1))])
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """The static scene in world axes."""
+
+    lines_m: tuple[Floats, ...]  # (M, 2) each, lane lines from the left edge to the right, M points side by side
+    route_m: Floats  # (M, 2)
+    goal_m: tuple[float, float]
+
+
+def draw(
+    scene: Scene,
+    objects: tuple[Rectangle, ...],
+    trail_m: Floats,
+    pose: Floats,
+    plan: Plan | None,
+    width_px: int,
+    height_px: int,
+) -> Image:
+    """(H, W, 3) RGB top view; `trail_m` (N, 2) has past positions, `pose` (3,) is x m, y m, yaw rad."""
+    canvas = Canvas(np.full((height_px, width_px, 3), MEADOW, np.uint8), Camera(width_px, height_px))
+    view = _View(pose, width_px, height_px)
+    _road(canvas, view, scene)
+    canvas.lines([view.place(trail_m)], EGO, 2)
+    for obj in objects:
+        _rectangle(canvas, view, obj, OBJECT)
+    if plan is not None:
+        _perceived(canvas, view, plan)
+    _goal(canvas, view, scene.goal_m)
+    _legend(canvas, plan is not None)
+    _rectangle(canvas, view, Rectangle(float(pose[0]), float(pose[1]), float(pose[2]), *EGO_SIZE_M, "car"), EGO)
+    return canvas.frame
+
+
+class _View:
+    """Maps world axes to pixels: vehicle near the bottom, heading up."""
+
+    def __init__(self, pose: Floats, width_px: int, height_px: int) -> None:
+        self.scale = height_px / (AHEAD_M + BEHIND_M)
+        self.centre_px = np.array([0.5 * width_px, self.scale * AHEAD_M])
+        self.size_px = np.array([width_px, height_px])
+        self.position_m, yaw = pose[:2], float(pose[2])
+        # Columns: image x is to the right of the vehicle, image y is behind it.
+        self.turn = np.array([[-np.sin(yaw), -np.cos(yaw)], [np.cos(yaw), -np.sin(yaw)]])
+
+    def place(self, points_m: Floats) -> Floats:
+        """(..., 2) px of (..., 2) m."""
+        placed: Floats = (points_m - self.position_m) @ self.turn * self.scale + self.centre_px
+        return placed
+
+    def from_vehicle(self, points_m: Floats) -> Floats:
+        """(..., 2) px of (..., 2) m in vehicle axes."""
+        return self.centre_px + self.scale * np.stack([points_m[..., 1], -points_m[..., 0]], axis=-1)
+
+    def near(self, points_m: Floats) -> Floats:
+        """The points of a polyline near the image."""
+        reach_m = 1.5 * (AHEAD_M + BEHIND_M)
+        near: Floats = points_m[np.hypot(*(points_m - self.position_m).T) < reach_m]
+        return near
+
+
+def _road(canvas: Canvas, view: _View, scene: Scene) -> None:
+    near = [view.near(line) for line in scene.lines_m]
+    left, right = view.place(near[0]), view.place(near[-1])
+    canvas.fill([np.concatenate([left, right[::-1]])], ASPHALT, 1.0)
+    for line in near[1:-1]:
+        canvas.lines(_dashes(view.place(line)), MARKING, 1)
+    canvas.lines([left, right], INK, 1)
+    canvas.lines(_dashes(view.place(view.near(scene.route_m))), TARGET, 1)
+
+
+def _dashes(line_px: Floats) -> list[Floats]:
+    """Every third segment of a polyline."""
+    return [line_px[start : start + 2] for start in range(0, len(line_px) - 1, 3)]
+
+
+def _rectangle(canvas: Canvas, view: _View, obj: Rectangle, colour: Colour) -> None:
+    corners = view.place(obj.corners_m)
+    canvas.fill([corners], colour, 1.0)
+    canvas.lines([corners], INK, 1, closed=True)
+
+
+def _perceived(canvas: Canvas, view: _View, plan: Plan) -> None:
+    """Draw the faces of perceived obstacles and the reference heading."""
+    objects = plan.perception.obstacles
+    for forward, left, right in zip(objects.forward_m, objects.left_m, objects.right_m, strict=True):
+        face = np.array([(forward + 1.0, left), (forward, left), (forward, right), (forward + 1.0, right)])
+        canvas.lines([view.from_vehicle(face)], OBSTACLE, 3)
+    heading = plan.reference.heading_rad - float(plan.perception.pose[2])
+    ray = np.outer([3.0, 12.0], [np.cos(heading), np.sin(heading)])
+    canvas.lines([view.from_vehicle(ray)], REFERENCE, 2)
+
+
+def _goal(canvas: Canvas, view: _View, goal_m: tuple[float, float]) -> None:
+    """Draw the goal as a disc, on the image's border if it is outside."""
+    place = view.place(np.array(goal_m))
+    inside = np.clip(place, 10.0, view.size_px - 10.0)
+    canvas.disc(inside, 5.0, TARGET)
+    if not np.array_equal(place, inside):
+        distance_m = float(np.hypot(*(np.array(goal_m) - view.position_m)))
+        words = f"goal {distance_m:.0f} m"
+        width = canvas.text_width_px(words, 0.5)
+        left = float(inside[0]) + (10.0 if inside[0] < 0.5 * view.size_px[0] else -10.0 - width)
+        canvas.text(words, left, float(inside[1]) + 5.0, TARGET, 0.5)
+
+
+def _legend(canvas: Canvas, has_plan: bool) -> None:
+    words = [("route", TARGET), ("objects", OBJECT)]
+    if has_plan:
+        words += [("perceived", OBSTACLE), ("reference heading", REFERENCE)]
+    left = 12.0
+    for word, colour in words:
+        canvas.text(word, left, canvas.frame.shape[0] - 12.0, colour, 0.5)
+        left += canvas.text_width_px(word, 0.5) + 12.0
