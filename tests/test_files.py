@@ -171,7 +171,7 @@ ALLOWED = {
     "vpf_sim/files.py": {"open", "write_bytes", "replace"},
     "vpf_sim/evaluation/sweeps/json_lines.py": {"os.open"},  # appended to, and cut back where there is no room
     "vpf_sim/evaluation/processes/pool.py": {"mkstemp", "os.open"},  # a worker's log, appended to by its watchdog
-    "vpf_sim/evaluation/parquet.py": {"write_table"},
+    "vpf_sim/evaluation/parquet.py": {"write_parquet"},
     "vpf_sim/report/paper_figures.py": {"savefig"},  # into memory
     "vpf_sim/report/video.py": {"open"},
     "vpf_sim/report/rerun_log.py": {"save"},
@@ -180,6 +180,7 @@ WRITING = {"write_bytes", "imwrite", "VideoWriter", "savez", "savez_compressed",
 WRITING |= {
     "to_json",
     "to_excel",
+    "write_parquet",
     "write_table",
     "savefig",
     "copyfile",

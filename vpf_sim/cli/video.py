@@ -26,7 +26,9 @@ def video(folder: RunArgument, id: IdOption, overlay: OverlayOption = True, out:
     from vpf_sim.evaluation.processes.threads import limit_opencv
     from vpf_sim.report.redraw import redrawing
     from vpf_sim.report.stored_run import open_run
+    from vpf_sim.report.video import require
 
+    require("video")
     check_output("--out", out)
     limit_opencv()
     run = open_run(folder)
