@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from little_room import limited
+from systems import POSIX_ONLY
 
 from vpf_sim.evaluation.gate.cells import Cell
 from vpf_sim.evaluation.gate.checks import Check
@@ -144,6 +145,7 @@ def test_the_fault_of_another_file_keeps_its_name(tmp_path: Path) -> None:
     assert told.value.filename == str(tmp_path / "other")
 
 
+@POSIX_ONLY
 def test_a_link_goes_on_leading_to_the_file(tmp_path: Path) -> None:
     (tmp_path / "there").mkdir()
     (tmp_path / "there" / "file").write_text("before")
@@ -153,6 +155,7 @@ def test_a_link_goes_on_leading_to_the_file(tmp_path: Path) -> None:
     assert (tmp_path / "there" / "file").read_text() == "after"
 
 
+@POSIX_ONLY
 def test_a_device_is_written_as_it_is() -> None:
     write_text(Path("/dev/null"), "nobody reads this")
     assert Path("/dev/null").is_char_device()

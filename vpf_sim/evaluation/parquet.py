@@ -3,6 +3,7 @@
 import errno
 import os
 from collections.abc import Sequence
+from glob import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,7 +37,7 @@ def read(path: Path, names: Sequence[str], what: str, kind: str) -> Floats:
         raise InputError(f"{path}: expected {what}, found nothing")
     try:
         with _database() as database:
-            stored = database.read_parquet(str(path)).fetchnumpy()
+            stored = database.read_parquet(escape(str(path))).fetchnumpy()  # else a "*" in a name is a pattern
         missing = [name for name in names if name not in stored]
         if missing:
             raise ValueError(f"no column {missing[0]}")
