@@ -8,7 +8,6 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-
 from systems import POSIX_ONLY
 
 from vpf_sim.evaluation.processes import pool
