@@ -23,6 +23,7 @@ LEAVES = {
     "configuration_fields",
     "files",
     "shell",
+    "system",
     "process_state",
     "pipeline",
     "timing",

@@ -21,6 +21,7 @@ import pytest
 import recorded_layouts as layouts
 import rendered_drive as rendered
 import typer
+from systems import POSIX_ONLY
 
 from vpf_sim import configuration
 from vpf_sim.cli import app
@@ -120,6 +121,7 @@ def wait_for_scheduler() -> None:
     pytest.fail("no scheduler came up")
 
 
+@POSIX_ONLY
 @pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES)
 def test_a_page_runs_from_top_to_bottom_as_printed(page: str, tmp_path: Path) -> None:

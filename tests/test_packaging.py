@@ -2,14 +2,19 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
+import tarfile
 import tomllib
 import venv
 import zipfile
+from importlib.metadata import requires
 from pathlib import Path
 
 import pytest
+import yaml
+from packaging.requirements import Requirement
 
 import vpf_sim
 
@@ -59,20 +64,82 @@ def test_every_folder_with_code_is_a_package() -> None:
 
 @pytest.fixture(scope="module")
 def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The project's sources in another folder, so that no build folder is left in the checkout."""
+    """A copy of the project, so that no build folder is left in the checkout."""
     source = tmp_path_factory.mktemp("source")
-    for name in ["pyproject.toml", "README.md", "LICENSE", *MAPPED.values()]:
-        (source / name).symlink_to(ROOT / name)
+    for folder in (*MAPPED.values(), "docs", "scripts", "tests"):
+        shutil.copytree(ROOT / folder, source / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    for path in filter(Path.is_file, ROOT.iterdir()):
+        shutil.copy(path, source)
     return source
 
 
 @pytest.fixture(scope="module")
-def wheel(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The project's wheel."""
-    out = tmp_path_factory.mktemp("wheel")
-    command = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", str(out), str(source)]
+def built(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the project's sdist and wheel."""
+    out = tmp_path_factory.mktemp("built")
+    command = [sys.executable, "-m", "build", "--no-isolation", "--outdir", str(out), str(source)]
     subprocess.run(command, check=True, capture_output=True)
-    return next(out.glob("*.whl"))
+    return out
+
+
+@pytest.fixture(scope="module")
+def wheel(built: Path) -> Path:
+    return next(built.glob("*.whl"))
+
+
+SOURCE_OF_PACKAGE = {"py", "toml", "jinja", "typed"}
+
+
+def test_the_wheel_has_no_tests_and_no_pictures(wheel: Path) -> None:
+    names = [name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name]
+    assert {name.rpartition(".")[2] for name in names} == SOURCE_OF_PACKAGE
+    assert not [name for name in names if {"tests", "scripts", "docs"} & set(name.split("/"))]
+
+
+def test_the_sdist_has_what_a_build_needs_and_no_more(built: Path) -> None:
+    with tarfile.open(next(built.glob("*.tar.gz"))) as archive:
+        names = {member.name.partition("/")[2] for member in archive.getmembers() if member.isfile()}
+    folders = {name.partition("/")[0] for name in names if "/" in name}
+    assert folders == {*MAPPED.values(), "vpf_sim.egg-info"}
+    assert names >= {"pyproject.toml", "README.md", "LICENSE", "CHANGELOG.md", "CITATION.cff"}
+    inside = {name for name in names if name.partition("/")[0] in MAPPED.values()}
+    assert {name.rpartition(".")[2] for name in inside} == SOURCE_OF_PACKAGE
+
+
+def test_the_citation_is_of_this_version_and_of_the_paper() -> None:
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text("utf-8"))
+    assert citation["version"] == PROJECT["project"]["version"]
+    assert citation["license"] == PROJECT["project"]["license"]
+    (paper,) = citation["references"]
+    assert paper["url"] == PROJECT["project"]["urls"]["Paper"]
+    assert [author["family-names"] for author in paper["authors"]] == ["Capito", "Ozguner", "Redmill"]
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / ".github").rglob("*.yml")), ids=lambda path: path.name)
+def test_forms_and_workflows_are_yaml(path: Path) -> None:
+    content = yaml.safe_load(path.read_text("utf-8"))
+    if "body" in content:
+        assert content.keys() >= {"name", "description"}
+        assert all(field["attributes"]["label"] for field in content["body"])
+
+
+def test_each_dependency_is_explained() -> None:
+    """The table in CONTRIBUTING.md has each required package and each extra that is not for development."""
+    section = (ROOT / "CONTRIBUTING.md").read_text("utf-8").partition("## What is each dependency for?")[2]
+    explained = set(re.findall(r"^\| `([\w-]+)`", section.partition("\n## ")[0], re.M))
+    extras = PROJECT["project"]["optional-dependencies"]
+    asked = PROJECT["project"]["dependencies"] + [one for name, them in extras.items() if name != "dev" for one in them]
+    assert explained == {Requirement(one).name for one in asked}
+
+
+def test_the_development_extra_installs_what_tests_of_other_extras_need() -> None:
+    (own,) = [one for one in PROJECT["project"]["optional-dependencies"]["dev"] if one.startswith("vpf_sim[")]
+    assert Requirement(own).extras == {"cluster", "readings", "video"}
+
+
+def test_the_base_installation_leaves_the_heavy_libraries_out() -> None:
+    base = {Requirement(one).name for one in requires("vpf_sim") or [] if "extra ==" not in one}
+    assert not base & {"av", "dask", "optuna", "pyarrow", "rerun-sdk"}
 
 
 def test_the_wheel_has_one_top_level_name_and_all_data(wheel: Path) -> None:
@@ -88,8 +155,9 @@ def test_the_wheel_has_one_top_level_name_and_all_data(wheel: Path) -> None:
 def installed(environment: Path, *what: str) -> Path:
     """The interpreter of a clean environment; the dependencies are lent to it, so that nothing is downloaded."""
     venv.create(environment, with_pip=False)
-    python = environment / "bin" / "python"
-    site = next(environment.glob("lib/python*/site-packages"))
+    scripts = environment / ("Scripts" if os.name == "nt" else "bin")
+    python = scripts / "python"
+    site = next(environment.rglob("site-packages"))
     (site / "zz_lent.pth").write_text("\n".join(path for path in sys.path if path.endswith("site-packages")))
     pip = [sys.executable, "-m", "pip", "--python", str(python), "install"]
     subprocess.run([*pip, "--no-deps", "--no-index", "--no-build-isolation", *what], check=True, capture_output=True)
@@ -117,7 +185,7 @@ def test_an_episode_runs_from_the_wheel_in_a_project_with_its_own_envs(wheel: Pa
         "schema = 1\n[road]\nsegments = [{kind = 'line', length_m = 60}]\n[ego]\nlane = 2\ns_m = 10.0\n"
         "[goal]\ns_m = 14.0\n"
     )
-    command = [environment / "bin" / "vpf-sim", "drive", "short.toml", "--driver", "pid", "--json", "--out", "run"]
+    command = [python.parent / "vpf-sim", "drive", "short.toml", "--driver", "pid", "--json", "--out", "run"]
     done = subprocess.run(command, cwd=project, env=clean, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert '"status": "success"' in done.stdout

@@ -6,7 +6,9 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from systems import POSIX_ONLY
 
+from vpf_sim import system
 from vpf_sim.evaluation.gate.cells import Cell
 from vpf_sim.evaluation.gate.checks import drive_command
 from vpf_sim.shell import command
@@ -31,6 +33,12 @@ WORDS = [
 ]
 
 
+@pytest.fixture(autouse=True)
+def posix(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(system, "WINDOWS", False)  # its commands are in test_system
+
+
+@POSIX_ONLY
 @pytest.mark.parametrize("word", WORDS)
 def test_a_shell_gives_each_word_back(word: str) -> None:
     line = command("report", Path(word), out=word, clips=3, no_video=True, mixed=False, water=None)
@@ -49,6 +57,7 @@ def test_a_path_with_a_dash_in_front_is_no_option() -> None:
     assert shlex.split(command("report", Path("-x"))) == ["vpf-sim", "report", "./-x"]
 
 
+@POSIX_ONLY
 def test_the_seeds_to_drive_again_are_a_loop_that_a_shell_runs() -> None:
     line = drive_command(Cell("my roads/it's.toml", "clear", "pid"), [3, 5])
     shown = subprocess.run(

@@ -54,7 +54,7 @@ def test_a_projects_own_driver(pytester: pytest.Pytester) -> None:
 
 
 def test_where_nobody_drives_nothing_is_loaded(pytester: pytest.Pytester) -> None:
-    heavy = {"highway_env", "cv2", "scipy", "pandas", "pyarrow", "pygame", "av", "pydantic", "vpf_sim.evaluation"}
+    heavy = {"highway_env", "cv2", "scipy", "pandas", "duckdb", "pygame", "av", "pydantic", "vpf_sim.evaluation"}
     pytester.makepyfile(f"""
         import sys
 

@@ -44,7 +44,7 @@ class Draft:
         if self._direct:
             return
         try:
-            with self.file.open("rb") as written:
+            with self.file.open("r+b") as written:  # Windows syncs no file that is open for reading only
                 os.fsync(written.fileno())
             self.file.replace(self._target)
         except OSError as error:

@@ -1,11 +1,12 @@
 """Shell commands that messages and pages suggest."""
 
-import shlex
 from pathlib import Path
+
+from vpf_sim import system
 
 
 def command(name: str, *arguments: str | Path, **options: str | Path | float | bool | None) -> str:
-    """`vpf-sim NAME ARGUMENTS --option value`, quoted for a shell.
+    """`vpf-sim NAME ARGUMENTS --option value`, quoted for the user's shell.
 
     Options that are None or False are omitted, True has no value; "_" in a name becomes "-".
     """
@@ -16,7 +17,7 @@ def command(name: str, *arguments: str | Path, **options: str | Path | float | b
         words.append(f"--{option.replace('_', '-')}")
         if value is not True:
             words.append(str(value))
-    return shlex.join(words)
+    return system.quoted(words)
 
 
 def _argument(value: str | Path) -> str:

@@ -222,7 +222,7 @@ def test_a_stopped_drive_leaves_no_empty_run_folder(
     assert list(tmp_path.iterdir()) == []
 
 
-HEAVY = "{'highway_env', 'cv2', 'scipy', 'pandas', 'pyarrow', 'pygame', 'av'}"
+HEAVY = "{'highway_env', 'cv2', 'scipy', 'pandas', 'duckdb', 'pygame', 'av'}"
 
 
 @pytest.mark.parametrize(

@@ -3,15 +3,13 @@
 What the readers make of any change to an input is in test_properties.
 """
 
-import signal
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from random import Random
 
 import pytest
 from malformed import MUTATIONS, RULES, SCENARIO, SWEEP, WEATHER, spoil_folder
 from stored import record, store
+from systems import at_most
 
 from vpf_sim import cli
 from vpf_sim.evaluation.sweeps.plan import Plan
@@ -19,20 +17,6 @@ from vpf_sim.evaluation.sweeps.plan import Plan
 TEXTS = {"scenario": SCENARIO, "weather": WEATHER, "sweep": SWEEP, "rules": RULES}
 LONGEST_S = 30
 LONGEST_LINE = 1000
-
-
-@contextmanager
-def no_hang() -> Iterator[None]:
-    def give_up(*_: object) -> None:
-        raise AssertionError(f"hangs for {LONGEST_S} s")
-
-    before = signal.signal(signal.SIGALRM, give_up)
-    signal.alarm(LONGEST_S)
-    try:
-        yield
-    finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
 
 
 def commands(kind: str, path: Path, run: Path) -> list[list[str]]:
@@ -66,7 +50,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def assert_refused(arguments: list[str], path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with no_hang():
+    with at_most(LONGEST_S):
         code = cli.run(arguments)
     said = capsys.readouterr()
     shown = f"{arguments}\n{path.read_bytes()[:2000] if path.is_file() else path}\n{said.err[:3000]}"

@@ -4,11 +4,9 @@ Whatever is lost, doubled, renamed, mistyped, huge or torn, the answer is a resu
 no warning, no hang, no file. Fifty examples each, and a thousand in the slow tests.
 """
 
-import signal
 import tomllib
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -20,6 +18,7 @@ import recorded_layouts as layouts
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from malformed import RULES, SCENARIO, WEATHER
+from systems import at_most
 
 from vpf_sim import scenarios
 from vpf_sim.envs.camera import weather
@@ -52,28 +51,12 @@ def check(examples: int, strategy: st.SearchStrategy[Any], holds: Callable[[Any]
     chosen(given(strategy)(holds))()
 
 
-@contextmanager
-def no_hang() -> Iterator[None]:
-    """Fails after a time of computing, however busy the machine is."""
-
-    def give_up(*_: object) -> None:
-        raise AssertionError(f"computes for {LONGEST_CPU_S} s")
-
-    before = signal.signal(signal.SIGPROF, give_up)
-    signal.setitimer(signal.ITIMER_PROF, LONGEST_CPU_S)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_PROF, 0)
-        signal.signal(signal.SIGPROF, before)
-
-
 def outcome(read: Callable[[], Any], folder: Path, most_lines: int = 1) -> Any:
     """What is read, or None where it is refused in clear lines; nothing is written either way."""
     before = sorted(folder.rglob("*"))
     result, refused = None, ""
     try:
-        with no_hang(), warnings.catch_warnings():
+        with at_most(LONGEST_CPU_S, computing=True), warnings.catch_warnings():
             warnings.simplefilter("error")
             result = read()
     except InputError as error:

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from vpf_sim import __version__
+from vpf_sim import __version__, system
 from vpf_sim.cli import (
     ablate,
     benchmark,
@@ -146,12 +146,6 @@ def _refuse(message: str) -> int:
 
 def _limit_threads(arguments: Sequence[str]) -> None:
     """Restart with one thread per numeric library, since they read their limits when numpy is imported."""
-    if os.name == "posix" and not threads.are_limited():
-        command = [
-            sys.executable,
-            "-P",
-            "-m",
-            "vpf_sim.cli",
-            *arguments,
-        ]  # -P: the working directory comes last in sys.path
-        os.execve(sys.executable, command, {**os.environ, **threads.LIMITS})
+    if not threads.are_limited():
+        own = [sys.executable, "-P", "-m", "vpf_sim.cli"]  # -P: the working directory comes last in sys.path
+        system.replace_process([*own, *arguments], {**os.environ, **threads.LIMITS})

@@ -67,8 +67,11 @@ def replay(
     from vpf_sim.evaluation.sweeps import run_folder
     from vpf_sim.replay import inputs
     from vpf_sim.replay.replay_folder import ReplayFolder
+    from vpf_sim.reporting.video import require
 
     limit_opencv()
+    if video:
+        require("replay without --no-video")
     with prints_on_stderr():
         drivers.create(driver)
     recordings, refused = _read(drive)

@@ -33,7 +33,9 @@ def video(
     from vpf_sim.evaluation.processes.threads import limit_opencv
     from vpf_sim.reporting.redraw import redrawing
     from vpf_sim.reporting.stored_run import open_run
+    from vpf_sim.reporting.video import require
 
+    require("video")
     check_output("--out", out)
     limit_opencv()
     path = out or run / "videos" / f"{id}.mp4"

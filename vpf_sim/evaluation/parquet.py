@@ -1,7 +1,11 @@
 """Atomic writing and checked reading of numeric Parquet tables."""
 
+import errno
+import os
 from collections.abc import Sequence
+from glob import escape
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -9,27 +13,49 @@ from vpf_sim.errors import InputError
 from vpf_sim.files import replacing
 from vpf_sim.types import Floats
 
+if TYPE_CHECKING:
+    from duckdb import DuckDBPyConnection
+
 
 def write(rows: Floats, names: Sequence[str], path: Path) -> None:
     """Write (N, C) rows with one named column each."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
+    import duckdb
 
-    columns = [pa.array(column) for column in rows.T]
-    with replacing(path) as draft:
-        pq.write_table(pa.table(columns, names=list(names)), draft, compression="zstd")
+    with replacing(path) as draft, _database() as database:
+        database.register("stored", dict(zip(names, rows.T.copy(), strict=True)))
+        try:
+            database.table("stored").write_parquet(str(draft), compression="zstd")
+        except duckdb.Error as error:
+            raise _as_os_error(error, draft) from None
 
 
 def read(path: Path, names: Sequence[str], what: str, kind: str) -> Floats:
     """(N, C) rows that `write` stored; InputErrors call the content `what` and the table's format `kind`."""
-    import pyarrow.parquet as pq
+    import duckdb
 
+    if not path.is_file():
+        raise InputError(f"{path}: expected {what}, found nothing")
     try:
-        stored = pq.read_table(path)
-        columns = [stored[name].to_numpy() for name in names]
-    except FileNotFoundError:
-        raise InputError(f"{path}: expected {what}, found nothing") from None
-    except (OSError, ValueError, KeyError) as error:  # includes pyarrow's errors
-        reason = " ".join(str(error.args[0] if error.args else error).split())[:120]
+        with _database() as database:
+            stored = database.read_parquet(escape(str(path))).fetchnumpy()  # else a "*" in a name is a pattern
+        missing = [name for name in names if name not in stored]
+        if missing:
+            raise ValueError(f"no column {missing[0]}")
+        return np.column_stack([np.ma.filled(np.ma.asarray(stored[name], float), np.nan) for name in names])
+    except (duckdb.Error, ValueError) as error:
+        reason = " ".join(str(error).split())[:120]
         raise InputError(f"{path}: expected a {kind} table of this version, got: {reason}") from None
-    return np.column_stack(columns)
+
+
+def _database() -> "DuckDBPyConnection":
+    """A database in memory; one thread, so that equal tables make equal files."""
+    import duckdb
+
+    return duckdb.connect(config={"threads": "1", "temp_directory": "", "autoinstall_known_extensions": "false"})
+
+
+def _as_os_error(error: Exception, path: Path) -> OSError:
+    """The reason of the operating system, which DuckDB has in its message alone."""
+    codes = (code for code in errno.errorcode if os.strerror(code) in str(error))
+    code = next(codes, errno.EIO)
+    return OSError(code, os.strerror(code), str(path))

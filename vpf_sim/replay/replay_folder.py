@@ -6,6 +6,7 @@ from typing import Any
 
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
+from vpf_sim.evaluation.sweeps.folder_lock import locked
 from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
 from vpf_sim.evaluation.sweeps.run_folder import change, write_json
 from vpf_sim.replay import inputs
@@ -41,7 +42,8 @@ class ReplayFolder:
             self._make()
         elif self._continue(requested, mixed):
             self._digest = digest(requested["fingerprint"])
-        self._records = JsonLines(path / RECORDS)  # this locks the folder
+        self._lock = locked(path)
+        self._records = JsonLines(path / RECORDS)
         self._timing = JsonLines(path / TIMING)
         if new:
             self._write_json(MANIFEST, requested)
@@ -72,6 +74,7 @@ class ReplayFolder:
     def close(self) -> None:
         self._records.close()
         self._timing.close()
+        self._lock.release()
 
     def _make(self) -> None:
         if self.path.exists() and not self.path.is_dir():

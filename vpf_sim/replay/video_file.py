@@ -10,13 +10,18 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-import av
 import cv2
 import numpy as np
 
 from vpf_sim.errors import InputError
 from vpf_sim.replay.recording import Frame
+from vpf_sim.reporting.video import require
 from vpf_sim.types import Floats, Image
+
+try:
+    import av
+except ImportError:  # the extra `video` is not installed
+    av = None  # type: ignore[assignment]
 
 if TYPE_CHECKING:
     from av.packet import Packet as AnyPacket
@@ -79,6 +84,7 @@ def read(path: Path, times_s: Floats | None = None, rate_hz: float | None = None
 
     `times_s` (N,) or `rate_hz` replace missing or wrong times of the stream.
     """
+    require(str(path))
     try:
         index = _index(path)
     except (av.error.FFmpegError, OSError) as error:
@@ -167,7 +173,7 @@ def _pixel(stream: "VideoStream") -> Fraction:
     return ratio if 1 / MOST_STRETCHED <= ratio <= MOST_STRETCHED else Fraction(1)
 
 
-def _packets(container: av.container.InputContainer, *streams: "VideoStream") -> "Iterator[Packet]":
+def _packets(container: "av.container.InputContainer", *streams: "VideoStream") -> "Iterator[Packet]":
     """The packets that hold a frame, as far as the file goes."""
     packets = cast("Iterator[Packet]", container.demux(*streams))
     while True:
@@ -194,17 +200,17 @@ def _decoded(path: Path, number: int) -> Iterator[tuple[int | None, Image | None
                 yield frame.pts, None if frame.is_corrupt else shown(frame)
 
 
-def _with_end(container: av.container.InputContainer, stream: "VideoStream") -> "Iterator[Packet | None]":
+def _with_end(container: "av.container.InputContainer", stream: "VideoStream") -> "Iterator[Packet | None]":
     """The packets, then the flush that empties the decoder."""
     yield from _packets(container, stream)
     yield None
 
 
-def _shown(stream: "VideoStream") -> Callable[[av.VideoFrame], Image]:
+def _shown(stream: "VideoStream") -> "Callable[[av.VideoFrame], Image]":
     """A function from a frame to its image as players show it: square pixels, then upright."""
     pixel = _pixel(stream)
 
-    def image(frame: av.VideoFrame) -> Image:
+    def image(frame: "av.VideoFrame") -> Image:
         shown = frame.to_ndarray(format="rgb24").astype(np.uint8, copy=False)
         if pixel != 1:
             one = Fraction(1)

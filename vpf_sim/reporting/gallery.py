@@ -16,7 +16,7 @@ from vpf_sim.evaluation.rendering.poses import POSES, SEED, Pose, video_drive
 from vpf_sim.evaluation.weather.weather_meaning import aliases, factors, in_words
 from vpf_sim.files import file_name, write_bytes, write_text
 from vpf_sim.reporting.pictures import jpeg
-from vpf_sim.reporting.video import Writer
+from vpf_sim.reporting.video import Writer, require
 from vpf_sim.types import Image
 
 QUALITY = 92  # of JPEG
@@ -54,6 +54,7 @@ def page(entries: Sequence[Entry]) -> str:
 
 def make(folder: Path, weathers: Sequence[Weather], workers: int, notify: Callable[[Entry], None]) -> Path:
     """Write the gallery into a new or empty folder; returns its page. On an exception the folder is removed."""
+    require("gallery")
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise InputError(f"{folder}: expected a new or empty folder for the gallery, got one with something in it")
     folder.mkdir(parents=True, exist_ok=True)

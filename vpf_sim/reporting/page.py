@@ -8,7 +8,18 @@ from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from vpf_sim.errors import InputError
-from vpf_sim.reporting import accuracy, answer, cells, clips, failures, figures, interval_chart, success_map, tables
+from vpf_sim.reporting import (
+    accuracy,
+    answer,
+    cells,
+    clips,
+    failures,
+    figures,
+    interval_chart,
+    success_map,
+    tables,
+    video,
+)
 from vpf_sim.reporting.cells import shown
 from vpf_sim.reporting.chart import legend_key
 from vpf_sim.reporting.clips import Clip
@@ -93,6 +104,7 @@ def _tables(run_data: RunData) -> dict[str, Any]:
 def _failures(run_data: RunData) -> dict[str, Any]:
     found = failures.endings(run_data.failures(), run_data.run.reason)
     return {
+        "video_remedy": "" if video.is_available() else video.INSTALL,
         "failures": [(ending, failures.ranges(ending.seeds)) for ending in found[:MOST_LISTED]],
         "unlisted": sum(len(ending.seeds) for ending in found[MOST_LISTED:]),
     }
@@ -100,6 +112,9 @@ def _failures(run_data: RunData) -> dict[str, Any]:
 
 def _clips(run_data: RunData, count: int, notify: Notify) -> list[Clip]:
     """Clips of failures; those that cannot be re-rendered, as without the scenario's file, are skipped."""
+    if count and not video.is_available():
+        notify(f"no videos of failures: PyAV is not installed: {video.INSTALL}")
+        return []
     chosen = clips.choose(run_data.failures(), run_data.order.drivers, count)
     made = []
     for number, record in enumerate(chosen, start=1):

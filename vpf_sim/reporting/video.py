@@ -7,12 +7,29 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-import av
 import numpy as np
 
 from vpf_sim.errors import InputError
 from vpf_sim.files import Draft
 from vpf_sim.types import Image
+
+try:
+    import av
+except ImportError:  # the extra `video` is not installed
+    av = None  # type: ignore[assignment]
+
+INSTALL = "pip install 'vpf_sim[video]'"
+
+
+def is_available() -> bool:
+    """Whether videos can be written and read."""
+    return av is not None
+
+
+def require(what: str) -> None:
+    """InputError, which begins with `what`, where PyAV is not installed."""
+    if not is_available():
+        raise InputError(f"{what}: expected PyAV, which is not installed: {INSTALL}")
 
 
 class Writer:
@@ -24,6 +41,7 @@ class Writer:
 
     def __init__(self, path: Path | str, size: tuple[int, int], rate_hz: float, crf: int = 20) -> None:
         """`size` is (width, height) px; `crf` is x264's quality: a higher value gives a smaller, worse video."""
+        require(f"video '{path}'")
         self.path = Path(path)
         if self.path.suffix.lower() != ".mp4":
             raise InputError(f"video '{path}': expected a file name that ends in .mp4")

@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
+from systems import POSIX_ONLY
 
 from vpf_sim.evaluation.processes import pool
 
@@ -76,12 +77,14 @@ def test_every_task_is_done_once() -> None:
     assert {one.attempts for one in done} == {1}
 
 
+@POSIX_ONLY
 def test_a_task_whose_worker_died_is_retried(tmp_path: Path) -> None:
     done = {one.task: one for one in pool.run(partial(die_once, tmp_path), range(6), workers=2, limit_s=minute)}
     assert {task: one.result for task, one in done.items()} == {n: n for n in range(6)}
     assert {task for task, one in done.items() if one.attempts == 2} == {3}
 
 
+@POSIX_ONLY
 def test_a_task_that_kills_its_worker_twice_is_given_up_and_no_other() -> None:
     done = {one.task: one for one in pool.run(die, range(6), workers=1, limit_s=minute)}
     assert {task: one.result for task, one in done.items()} == {0: 0, 1: 1, 2: 2, 3: None, 4: 4, 5: 5}
@@ -103,6 +106,7 @@ def test_a_task_that_hangs_twice_is_given_up_with_its_stack() -> None:
     assert "in hang\n" in done[3].reason
 
 
+@POSIX_ONLY
 def test_a_worker_that_cannot_end_itself_is_killed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pool, "GRACE_S", 5.0)
     done = {one.task: one.result for one in pool.run(stand_still, range(5), workers=1, limit_s=second)}
@@ -134,6 +138,17 @@ def test_workers_have_one_thread_and_the_parents_environment_is_left_alone(monke
     monkeypatch.setenv("OMP_NUM_THREADS", "7")
     assert [one.result for one in pool.run(threads, [0], workers=1, limit_s=minute)] == [("1", 1)]
     assert os.environ["OMP_NUM_THREADS"] == "7"
+
+
+def test_no_logs_of_workers_are_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    logs = tmp_path / "logs"
+    logs.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(logs))
+    list(pool.run(partial(hang_once, tmp_path), range(4, 2, -1), workers=1, limit_s=second))
+    started = pool.run(square, range(6), workers=2, limit_s=minute)
+    next(started)
+    started.close()
+    assert list(logs.iterdir()) == []
 
 
 def test_no_tasks_need_no_workers() -> None:

@@ -12,6 +12,7 @@ import pytest
 import recorded_layouts as layouts
 from little_room import limited
 from short_scenario import write_short
+from systems import POSIX_ONLY
 
 from vpf_sim import cli
 from vpf_sim.evaluation import steps
@@ -53,6 +54,7 @@ def contents(out: Path) -> tuple[list[str], Any]:
     return lines, json.loads((out / "summary.json").read_text())
 
 
+@POSIX_ONLY
 @pytest.mark.slow
 def test_a_sweep_on_a_full_disk_can_be_resumed(tmp_path: Path) -> None:
     write_short(tmp_path)

@@ -232,22 +232,30 @@ def test_a_run_folder_has_one_run_at_a_time(tmp_path: Path) -> None:
 HOLD = """
 import sys, time
 from pathlib import Path
-from vpf_sim.evaluation.sweeps.json_lines import JsonLines
-lines = JsonLines(Path(sys.argv[1]))
+from vpf_sim.evaluation.sweeps.folder_lock import locked
+lock = locked(Path(sys.argv[1]))
 print("held", flush=True)
 time.sleep(600)
 """
 
 
 def test_a_killed_run_leaves_no_lock(tmp_path: Path) -> None:
-    path = tmp_path / "episodes.jsonl"
-    with subprocess.Popen([sys.executable, "-c", HOLD, str(path)], stdout=subprocess.PIPE) as other:
+    with subprocess.Popen([sys.executable, "-c", HOLD, str(tmp_path)], stdout=subprocess.PIPE) as other:
         assert other.stdout is not None
-        assert other.stdout.readline() == b"held\n"
+        assert other.stdout.readline().strip() == b"held"
         with pytest.raises(InputError, match="in use by another run"):
-            JsonLines(path)
+            RunFolder(tmp_path, ASKED)
         other.kill()
-    JsonLines(path).close()
+    RunFolder(tmp_path, ASKED).close()
+
+
+def test_a_file_system_without_locks_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise NotImplementedError
+
+    monkeypatch.setattr("filelock.FileLock.acquire", refuse)
+    with pytest.raises(InputError, match="expected a file system with locks"):
+        RunFolder(tmp_path, ASKED)
 
 
 def test_an_unusable_folder_is_not_locked(tmp_path: Path) -> None:

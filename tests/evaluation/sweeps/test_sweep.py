@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from short_scenario import write_short
+from systems import POSIX_ONLY
 
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.analysis.statistics import seeds_for_mean, seeds_for_share, share_interval
@@ -95,6 +96,7 @@ def listen_to_ctrl_c() -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
+@POSIX_ONLY
 def test_ctrl_c_stops_and_prints_the_resume_command(folder: Path, undisturbed: Path) -> None:
     out = folder / "stopped"
     with subprocess.Popen(

@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from vpf_sim import system
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.evaluation.gate.cells import Cell
 from vpf_sim.evaluation.gate.rules import Rule
@@ -49,7 +50,7 @@ def drive_command(cell: Cell, seeds: Sequence[int]) -> str:
     drive = command("drive", cell.scenario, weather=cell.weather, driver=cell.driver)
     if len(seeds) == 1:
         return f"{drive} --seed {seeds[0]}"
-    return f"for seed in {' '.join(map(str, seeds))}; do {drive} --seed $seed; done"
+    return system.repeated(drive, "--seed", seeds)
 
 
 def matching(rule: Rule, cells: Iterable[Cell], path: Path, where: str) -> list[Cell]:

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from math import inf
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
+from pathlib import Path
+from tempfile import mkstemp
 from threading import Thread
 from time import monotonic
 from types import ModuleType
@@ -26,6 +28,7 @@ ATTEMPTS = 2
 POLL_S = 600.0  # longest wait between two checks of the clock
 GRACE_S = 30.0  # beyond the limit, until a worker that did not end itself is killed
 START_S = 600.0  # for a worker to start: slow on a busy machine, and not the task's fault
+LONGEST_LOG = 1 << 16  # bytes
 SPAWN = multiprocessing.get_context("spawn")  # a fork would copy locks and OpenCV's state
 
 
@@ -49,7 +52,7 @@ class _Worker(Generic[Task]):
     number: int
     process: BaseProcess
     connection: Connection
-    crash_log: Connection  # written by the watchdog before it ends the process
+    crash_log: Path  # written by the watchdog before it ends the process
     task: Task | None = None
     attempt: int = 0
     limit_s: float = 0.0
@@ -83,6 +86,7 @@ def run(
             for worker in _ready(pool):
                 done = _receive(worker, waiting)
                 if worker.task is None and not worker.process.is_alive():
+                    worker.crash_log.unlink(missing_ok=True)
                     pool[pool.index(worker)] = _start(worker.number, work)
                 if done is not None:
                     yield done
@@ -90,17 +94,18 @@ def run(
         for worker in pool:
             worker.process.kill()
             worker.process.join()
+            worker.crash_log.unlink(missing_ok=True)
 
 
 def _start(number: int, work: Callable[[Task], Any]) -> "_Worker[Task]":
     ours, theirs = SPAWN.Pipe()
-    crash_log, log = SPAWN.Pipe(duplex=False)
-    process = SPAWN.Process(target=_serve, args=(theirs, log, work), name=f"worker {number}", daemon=True)
+    descriptor, name = mkstemp(prefix="vpf_sim-worker-", suffix=".log")  # Windows inherits no descriptors
+    os.close(descriptor)
+    process = SPAWN.Process(target=_serve, args=(theirs, name, work), name=f"worker {number}", daemon=True)
     with limited_environment(), _without_main():
         process.start()
     theirs.close()  # so that the pipe ends when the worker dies
-    log.close()
-    return _Worker(number, process, ours, crash_log)
+    return _Worker(number, process, ours, Path(name))
 
 
 @contextmanager
@@ -159,20 +164,18 @@ def _reason(worker: "_Worker[Task]") -> str:
     """Why a worker died, with its stack if the watchdog wrote one."""
     code = worker.process.exitcode or 0
     death = f"killed by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
-    late = monotonic() - worker.started_s >= worker.limit_s
+    stack = worker.crash_log.read_bytes()[:LONGEST_LOG].decode(errors="replace")
+    late = monotonic() - worker.started_s >= worker.limit_s or stack.startswith("Timeout")  # the watchdog's word
     what = f"took longer than {worker.limit_s:g} s" if late else f"lost its worker process ({death})"
-    os.set_blocking(worker.crash_log.fileno(), False)  # a child of the worker may hold the other end
-    stack = ""
-    with suppress(OSError):
-        stack = os.read(worker.crash_log.fileno(), 1 << 16).decode(errors="replace")
     return f"{what}, {worker.attempt} times of {ATTEMPTS}\n{stack}"
 
 
-def _serve(connection: Connection, log: Connection, work: Callable[[Any], Any]) -> None:
+def _serve(connection: Connection, log_file: str, work: Callable[[Any], Any]) -> None:
     """A worker's main loop; it ignores Ctrl-C and ends with its parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     sys.stdout = sys.stderr  # a driver's prints must not mix with the parent's output
-    Thread(target=_end_with_parent, daemon=True).start()
+    Thread(target=_end_with_parent, args=(log_file,), daemon=True).start()
+    log = os.open(log_file, os.O_WRONLY | os.O_APPEND)
     limit_opencv()
     while True:
         try:
@@ -181,15 +184,17 @@ def _serve(connection: Connection, log: Connection, work: Callable[[Any], Any]) 
             return
         connection.send(_Started())
         try:
-            with watchdog.at_most(limit_s, log.fileno()):
+            with watchdog.at_most(limit_s, log):
                 answer = work(task)
         except Exception as error:
             answer = error
         connection.send(answer)
 
 
-def _end_with_parent() -> None:
+def _end_with_parent(log_file: str) -> None:
     parent = multiprocessing.parent_process()
     if parent is not None:
         parent.join()
+    with suppress(OSError):  # Windows removes no open file
+        os.unlink(log_file)
     os._exit(1)

@@ -1,7 +1,6 @@
 """Crash-safe JSON lines: each line is one write, synced to disk before the next."""
 
 import errno
-import fcntl
 import json
 import os
 from collections.abc import Iterable
@@ -11,18 +10,16 @@ from typing import Any
 from vpf_sim.errors import InputError
 from vpf_sim.files import write_bytes
 
+FLAGS = os.O_RDWR | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0)  # Windows would write "\r\n"
+
 
 class JsonLines:
-    """Appends rows to a locked file; opening it drops an incomplete last line."""
+    """Appends rows to a file; opening it drops an incomplete last line. The caller locks the file's folder."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o644)
-        try:
-            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)  # the lock ends with the process
-        except BlockingIOError:
-            os.close(self._file)
-            raise InputError(f"{path.parent}: in use by another run") from None
+        self._file = os.open(path, FLAGS, 0o644)
+        self._is_open = True
         stored = path.read_bytes()
         os.ftruncate(self._file, stored.rfind(b"\n") + 1)
 
@@ -40,10 +37,14 @@ class JsonLines:
 
     def rewrite(self, rows: Iterable[dict[str, Any]]) -> None:
         """Replace all rows atomically; no row can be appended afterwards."""
+        self.close()  # Windows does not replace an open file
         write_bytes(self._path, b"".join(map(_line, rows)))
 
     def close(self) -> None:
-        os.close(self._file)
+        """Close the file; a second call has no effect."""
+        if self._is_open:
+            self._is_open = False
+            os.close(self._file)
 
 
 def read_lines(path: Path) -> list[dict[str, Any]]:

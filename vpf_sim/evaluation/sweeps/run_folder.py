@@ -12,6 +12,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.records import failed
 from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
+from vpf_sim.evaluation.sweeps.folder_lock import LOCK, locked
 from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
 from vpf_sim.evaluation.sweeps.plan import Plan, make_plan
 from vpf_sim.evaluation.sweeps.schema import Manifest, Record, checked
@@ -60,7 +61,8 @@ class RunFolder:
         self.asked: dict[str, Any] = json.loads(json.dumps(asked))
         new, self.mark = admitted(path, asked, resume, mixed)
         path.mkdir(parents=True, exist_ok=True)
-        self._records = JsonLines(path / LINES[0])  # locks the folder
+        self._lock = locked(path)
+        self._records = JsonLines(path / LINES[0])
         self._timing = JsonLines(path / LINES[1])
         if new:
             self.write_json(MANIFEST, self.asked)
@@ -98,12 +100,13 @@ class RunFolder:
     def close(self) -> None:
         self._records.close()
         self._timing.close()
+        self._lock.release()
 
     def discard(self) -> None:
         """Remove the folder of a run that stored nothing."""
-        for name in (MANIFEST, *LINES):
-            (self.path / name).unlink()
-        self.close()
+        self.close()  # Windows does not remove an open file
+        for name in (MANIFEST, *LINES, LOCK):
+            (self.path / name).unlink(missing_ok=True)
         with suppress(OSError):  # it has files of the user
             self.path.rmdir()
 
@@ -150,7 +153,9 @@ def _has_other_fingerprint(path: Path, asked: dict[str, Any], mixed: bool) -> bo
 
 def _is_unwritten(path: Path) -> bool:
     """Whether a run that was killed before writing its manifest could have left this file."""
-    return path.name == f"{MANIFEST}{DRAFT}" or (path.name in LINES and path.is_file() and path.stat().st_size == 0)
+    if path.name == f"{MANIFEST}{DRAFT}":
+        return True
+    return path.name in (LOCK, *LINES) and path.is_file() and path.stat().st_size == 0
 
 
 def write_json(path: Path, value: dict[str, Any]) -> None:
