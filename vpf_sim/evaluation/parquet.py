@@ -42,7 +42,7 @@ def read(path: Path, names: Sequence[str], what: str, kind: str) -> Floats:
         if missing:
             raise ValueError(f"no column {missing[0]}")
         return np.column_stack([np.ma.filled(np.ma.asarray(stored[name], float), np.nan) for name in names])
-    except (duckdb.Error, ValueError) as error:
+    except (duckdb.Error, RuntimeError, ValueError) as error:  # RuntimeError: a column's name is no UTF-8
         reason = " ".join(str(error).split())[:120]
         raise InputError(f"{path}: expected a {kind} table of this version, got: {reason}") from None
 
