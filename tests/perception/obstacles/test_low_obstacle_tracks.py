@@ -11,10 +11,12 @@ from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.obstacles.planar_parallax.config import LowTrackConfig
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation
 from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks
+from vpf_sim.seeding import stream
 from vpf_sim.types import Obstacles
 
 SPEED_MPS, LOOKS_HZ = 5.55, 10.0
 TRACKS = static_obstacles().low_tracks
+GAIN = 12.0  # of a clear observation
 
 
 def tracks(
@@ -29,7 +31,7 @@ def recorded(places_m: list[float], speed_mps: float = SPEED_MPS, config: LowTra
     book, found = tracks(config, lambda: next(numbers)), []
     for k, place in enumerate(places_m):
         pose = np.array([k * speed_mps / LOOKS_HZ, 0.0, 0.0])
-        book.record([LowObservation(place, -0.4, 0.4)] if np.isfinite(place) else [], pose)
+        book.record([LowObservation(place, -0.4, 0.4, GAIN)] if np.isfinite(place) else [], pose)
         found.append(book.bodies(pose))
     return found
 
@@ -52,7 +54,7 @@ def test_a_track_is_confirmed_as_soon_in_a_bend(bend_per_m: float) -> None:
         turn = bend_per_m * way
         pose = np.array([way * np.sinc(turn / np.pi), 0.5 * way * turn, turn])
         ahead, aside = vehicle_from_world(place, pose)
-        book.record([LowObservation(ahead, aside - 0.4, aside + 0.4)], pose)
+        book.record([LowObservation(ahead, aside - 0.4, aside + 0.4, GAIN)], pose)
         if abs(way - TRACKS.way_m) > 0.1:  # the chord of a bend is a little shorter
             assert len(book.bodies(pose)) == (way > TRACKS.way_m)
 
@@ -73,9 +75,33 @@ def test_a_track_that_approaches_by_less_than_the_way_is_a_mirror_image(height_m
     share = height / (height + height_m)
     for way in np.arange(0.0, 8.0, SPEED_MPS / LOOKS_HZ).tolist():
         pose = np.array([way, 0.0, 0.0])
-        book.record([LowObservation(0.8 + share * (14.0 / share - way), -0.4, 0.4)], pose)
+        book.record([LowObservation(0.8 + share * (14.0 / share - way), -0.4, 0.4, GAIN)], pose)
     assert (len(book.bodies(pose)) > 0) == confirmed
 
 
 def test_without_the_approach_rule_a_drop_is_confirmed() -> None:
     assert len(recorded([8.0] * 40, 1.0, replace(TRACKS, approach_share=None))[-1]) == 1
+
+
+@pytest.mark.parametrize(("gain", "looks"), [(6.0, 6), (12.0, 3), (60.0, 2)])
+def test_the_fainter_an_obstacle_the_more_observations_it_takes(gain: float, looks: int) -> None:
+    book, step = tracks(replace(TRACKS, way_m=0.5)), SPEED_MPS / LOOKS_HZ
+    for k in range(looks):
+        pose = np.array([k * step, 0.0, 0.0])
+        assert not len(book.bodies(pose))
+        book.record([LowObservation(12.0 - k * step, -0.4, 0.4, gain)], pose)
+    assert len(book.bodies(pose)) == 1
+
+
+@pytest.mark.parametrize(("flashes", "hits"), [(0, 3), (2, 7)])
+def test_in_clutter_a_track_takes_more_observations(flashes: int, hits: int) -> None:
+    rng, numbers = stream(33, "flashes"), iter(range(50))
+    book, step = tracks(TRACKS, lambda: next(numbers)), SPEED_MPS / LOOKS_HZ
+    for k in range(60):
+        seen = [LowObservation(float(place), -2.4, -2.0, GAIN) for place in rng.uniform(7.0, 30.0, flashes)]
+        if k >= 40:
+            seen.append(LowObservation(13.0 - (k - 40) * step, 0.6, 1.4, GAIN))
+        book.record(seen, np.array([k * step, 0.0, 0.0]))
+        if np.any(book.bodies(np.array([k * step, 0.0, 0.0])).right_m > 1.0):
+            break
+    assert k - 40 + 1 == hits

@@ -219,7 +219,7 @@ def test_low_points_and_a_low_track_are_one_obstacle() -> None:
     drive, found = Drive(np.concatenate([low, road_points(100)])), tracker()
     for k in range(355):
         obstacles = drive.run(found, range(k, k + 1))[-1]
-        track = LowObservation(40.0 - drive.pose(k)[0], -0.2, 0.6)
+        track = LowObservation(40.0 - drive.pose(k)[0], -0.2, 0.6, 12.0)
         if track.forward_m < 16.0 and k % 6 == 0:
             found.low_tracks.record([track], drive.pose(k))
     assert (obstacles.left_m, obstacles.right_m) == (pytest.approx([-0.4], abs=0.05), pytest.approx([0.4], abs=0.05))

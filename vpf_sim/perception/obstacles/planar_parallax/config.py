@@ -67,6 +67,24 @@ class ParallaxConfig:
 
 
 @settings
+class GainWeightConfig:
+    """Weight of an observation. Mirror images gain 6 to 12 times the noise, pallets 12 to 45 in hard rain."""
+
+    usual_gain: float = setting("gain of an observation that counts as one", gt=0.0)
+    least: float = setting("least weight of an observation", gt=0.0)
+    most: float = setting("largest weight of an observation", gt=0.0)
+
+
+@settings
+class ClutterConfig:
+    """Where new tracks begin often, as in rain, a track needs more hits."""
+
+    rate: float = setting("new tracks per look, from which there is clutter", ge=0.0)
+    looks: float = setting("looks averaged over", ge=1.0)
+    more_hits: int = setting("additional hits of a confirmed track", ge=0)
+
+
+@settings
 class LowTrackConfig:
     """When a low obstacle is confirmed: observed so often at one place of the world, over so long a way."""
 
@@ -81,6 +99,8 @@ class LowTrackConfig:
     sticks_out_m: float = setting("unless it reaches so far out of it,", ge=0.0)
     before_m: float = setting("or begins farther before its face than mirror images do", ge=0.0)
     least_width_m: float = setting("of a reported obstacle", ge=0.0)
+    gain_weight: GainWeightConfig | None = setting("faint observations count less than clear ones", default=None)
+    clutter: ClutterConfig | None = setting("tracks need more hits while new ones begin often", default=None)
     approach_share: float | None = setting(
         "Confirms only what comes nearer by more than this share of the own way.", default=None, gt=0.0, le=1.0
     )

@@ -28,6 +28,7 @@ class LowObservation(LateralExtent[float]):
     forward_m: float  # where it begins
     left_m: float
     right_m: float
+    gain: float  # of a height above the road, in multiples of the noise
 
 
 @dataclass(slots=True)
@@ -226,5 +227,5 @@ class PlanarParallax:
             left, right = right_m[column] + half_across, right_m[column + width - 1] - half_across
             if left <= right:
                 near = float(self._forward_m[row]) + half_along
-                found.append(LowObservation(near, left, right))
+                found.append(LowObservation(near, left, right, float(best[part])))
         return sorted(found, key=lambda one: one.forward_m)

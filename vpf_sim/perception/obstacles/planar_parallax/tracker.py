@@ -19,7 +19,7 @@ class _Track:
     width_m: float
     first_pose: Floats  # (3,) of the car at the first observation
     first_forward_m: float  # of that observation
-    hits: int = 1
+    hits: float  # observations, weighted by their gain
     misses: int = 0
     identity: int | None = None  # once it is confirmed
 
@@ -35,14 +35,24 @@ class LowObstacleTracks:
         self._near_m, self._behind_m = near_m, behind_m
         self._next_identity = next_identity
         self.tracks: list[_Track] = []
+        self._new_rate = 0.0  # new tracks per look
+
+    @property
+    def hits_needed(self) -> int:
+        """Hits of a confirmed track."""
+        config, clutter = self.config, self.config.clutter
+        return config.hits + (clutter.more_hits if clutter and self._new_rate > clutter.rate else 0)
 
     def record(self, observations: list[LowObservation], pose: Floats) -> None:
         """Add one frame's observations by the vehicle at `pose`."""
         for track in self.tracks:
             if self._forward_m(track, pose) > self._near_m:
                 track.misses += 1
+        before = len(self.tracks)
         for one in observations:
             self._add(one, pose)
+        if self.config.clutter is not None:
+            self._new_rate += (len(self.tracks) - before - self._new_rate) / self.config.clutter.looks
         self.tracks = [track for track in self.tracks if self._is_kept(track, pose)]
 
     def bodies(self, pose: Floats) -> Obstacles:
@@ -59,15 +69,20 @@ class LowObstacleTracks:
         here, newest = np.array([one.forward_m, one.middle_m]), self.config.newest
         place, track = world_from_vehicle(here, pose), self._track_at(here, pose)
         if track is None:
-            self.tracks.append(_Track(place, one.width_m, pose.copy(), one.forward_m))
+            self.tracks.append(_Track(place, one.width_m, pose.copy(), one.forward_m, self._weight(one)))
             return
-        track.hits, track.misses = track.hits + 1, 0
+        track.hits, track.misses = track.hits + self._weight(one), 0
         track.place_m = track.place_m + newest * (place - track.place_m)
         track.width_m += newest * (one.width_m - track.width_m)
         travel_m = distance_m(pose, track.first_pose)
-        enough = travel_m >= self.config.way_m and track.hits >= self.config.hits
+        enough = travel_m >= self.config.way_m and track.hits >= self.hits_needed
         if track.identity is None and enough and self._approaches(track, place, travel_m):
             track.identity = self._next_identity()
+
+    def _weight(self, one: LowObservation) -> float:
+        """What an observation counts: mirror images are fainter than what stands."""
+        rule = self.config.gain_weight
+        return 1.0 if rule is None else min(max(one.gain / rule.usual_gain, rule.least), rule.most)
 
     def _approaches(self, track: _Track, place_m: Floats, travel_m: float) -> bool:
         """Whether it came nearer by the car's own way. Drops on the windscreen do not, mirror images by less."""
