@@ -29,6 +29,9 @@ types: install
 	ln -s $(abspath $(wildcard vpf_sim/*) envs controllers scenarios) .types/vpf_sim/
 	cd .types && $(abspath $(BIN))/mypy --config-file ../pyproject.toml -p vpf_sim
 
+# One thread each, as in the drives: numpy's own threads spin while tests run side by side.
+unit slow: export OPENBLAS_NUM_THREADS := 1
+
 unit: install
 	$(BIN)/python -m pytest -n 2
 

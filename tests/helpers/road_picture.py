@@ -1,14 +1,34 @@
 """A picture of a road in closed form: a straight or circular carriageway, drawn pixel by pixel from its geometry."""
 
 from dataclasses import dataclass
+from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
 from vpf_sim.geometry import ground_from_pixels, world_from_vehicle
 from vpf_sim.seeding import stream
-from vpf_sim.types import Camera, Floats, Image
+from vpf_sim.types import Bools, Camera, Floats, Image
 
 ASPHALT, PAINT, SKY = (106, 106, 107), (212, 211, 206), (150, 180, 220)
+FARTHEST_M = 200.0
+
+
+class Ground(NamedTuple):
+    """The ground in a camera's frame."""
+
+    shows: Bools  # (height, width), pixels that show it
+    places_m: Floats  # (N, 2), vehicle axes, what these pixels show
+    pixel_m: Floats  # (N,), the width of a pixel there
+
+
+@cache
+def ground_in_view(camera: Camera) -> Ground:
+    """The ground as far as it is drawn."""
+    columns, rows = np.meshgrid(np.arange(camera.width_px, dtype=float), np.arange(camera.height_px, dtype=float))
+    places_m = ground_from_pixels(camera, np.stack([columns, rows], axis=-1))
+    shows = np.isfinite(places_m[..., 0]) & (places_m[..., 0] < FARTHEST_M)
+    return Ground(shows, places_m[shows], np.maximum(places_m[shows, 0], 1.0) / camera.fx_px)
 
 
 @dataclass(frozen=True)
@@ -40,19 +60,17 @@ class RoadPicture:
 
     def draw(self, pose: Floats, seed: int = 0) -> Image:
         """The frame at `pose`, with grain; lines are 0.15 m wide, dashes 3 m of 9 m."""
-        camera = self.camera
-        columns, rows = np.meshgrid(np.arange(camera.width_px, dtype=float), np.arange(camera.height_px, dtype=float))
-        ground = ground_from_pixels(camera, np.stack([columns, rows], axis=-1))
-        seen = np.isfinite(ground[..., 0]) & (ground[..., 0] < 200.0)
-        ground = np.where(seen[..., None], ground, 100.0)
-        along, right = self.local(world_from_vehicle(ground, pose))
-        frame = np.where((np.abs(right) < self.half_width_m + 0.5)[..., None], ASPHALT, self.verge).astype(float)
-        pixel_m = np.maximum(ground[..., 0], 1.0) / camera.fx_px
-        for line in np.arange(-self.half_width_m, self.half_width_m + 0.1, self.lane_width_m):
-            cover = np.clip((0.075 - np.abs(right - line)) / pixel_m + 0.5, 0.0, 1.0)
-            if abs(line) < self.half_width_m:
-                cover = cover * (np.mod(along, 9.0) < 3.0)
-            frame += cover[..., None] * (np.array(PAINT) - frame)
-        frame = np.where(seen[..., None], frame, SKY)
-        grain = stream(seed, "grain").normal(0.0, 2.0, (*frame.shape[:2], 1))
-        return np.clip(frame + grain, 0.0, 255.0).astype(np.uint8)
+        ground = ground_in_view(self.camera)
+        along, right = self.local(world_from_vehicle(ground.places_m, pose))
+        colours = np.where((np.abs(right) < self.half_width_m + 0.5)[:, None], ASPHALT, self.verge).astype(float)
+        lines = np.arange(-self.half_width_m, self.half_width_m + 0.1, self.lane_width_m)
+        nearest = np.clip(np.rint((right - lines[0]) / self.lane_width_m).astype(int), 0, len(lines) - 1)
+        cover = np.clip((0.075 - np.abs(right - lines[nearest])) / ground.pixel_m + 0.5, 0.0, 1.0)
+        is_dashed = np.abs(lines[nearest]) < self.half_width_m
+        cover *= ~is_dashed | (np.mod(along, 9.0) < 3.0)
+        painted = np.flatnonzero(cover)
+        colours[painted] += cover[painted, None] * (np.array(PAINT) - colours[painted])
+        frame = np.full((*ground.shows.shape, 3), SKY, dtype=float)
+        frame[ground.shows] = colours
+        frame += stream(seed, "grain").normal(0.0, 2.0, (*ground.shows.shape, 1))
+        return np.clip(frame, 0.0, 255.0, out=frame).astype(np.uint8)
