@@ -143,21 +143,18 @@ def test_drive_prints_one_json_object_and_its_exit_code_is_the_result(tmp_path: 
 DRIVER = """
 from vpf_sim.types import Command
 
-class Brake:
+class Broken:
     privileged = "none"
     def reset(self, setup): pass
-    def act(self, observation): return Command(-1.0, 0.0)
-
-class Broken(Brake):
     def act(self, observation): raise KeyError("lost")
 
-class Chatty(Brake):
+class Chatty(Broken):
     def __init__(self): print("made")
     def act(self, observation):
         print("braking")
         return Command(1.0, 0.0)
 
-class Unmade(Brake):
+class Unmade(Broken):
     def __init__(self): raise RuntimeError("no weights")
 """
 
@@ -165,33 +162,37 @@ class Unmade(Brake):
 def test_a_users_driver_is_found_in_the_working_directory(tmp_path: Path) -> None:
     short = str(write_short(tmp_path))
     (tmp_path / "mine.py").write_text(DRIVER)
-    stuck = vpf_sim("drive", short, "--driver", "mine:Brake", "--json", cwd=tmp_path)
-    assert (stuck.returncode, json.loads(stuck.stdout)["status"]) == (1, "timeout")
     broken = vpf_sim("drive", short, "--driver", "mine:Broken", "--json", cwd=tmp_path)
     assert (broken.returncode, json.loads(broken.stdout)["status"]) == (1, "error")
     assert "KeyError: 'lost'" in broken.stderr
     assert "Traceback" not in broken.stderr
 
 
-def test_prints_of_a_driver_do_not_reach_stdout(tmp_path: Path) -> None:
-    short = str(write_short(tmp_path))
+@pytest.fixture
+def in_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working directory, from which a user's driver is imported, for commands that run in this process."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "mine", raising=False)
     (tmp_path / "mine.py").write_text(DRIVER)
-    driven = vpf_sim("drive", short, "--driver", "mine:Chatty", "--json", cwd=tmp_path)
-    grid = ("--scenario", short, "--driver", "mine:Chatty", "--seeds", "0:1", "--workers", "1")
-    swept = vpf_sim("sweep", *grid, "--json", cwd=tmp_path)
-    for done in (driven, swept):
-        assert done.returncode == 0
-        json.loads(done.stdout)
-        assert "made\n" in done.stderr
-        assert "braking\n" in done.stderr
+    return tmp_path
 
 
-def test_a_driver_that_cannot_be_created_is_wrong_input(tmp_path: Path) -> None:
-    (tmp_path / "mine.py").write_text(DRIVER)
-    done = vpf_sim("drive", "straight", "--driver", "mine:Unmade", cwd=tmp_path)
-    assert done.returncode == 2
-    assert done.stderr == "vpf-sim: driver 'mine:Unmade': making it raised RuntimeError: no weights\n"
-    assert not (tmp_path / "runs").exists()
+def test_prints_of_a_driver_in_a_sweep_do_not_reach_stdout(in_folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """Those in a drive: tests/test_process_state.py."""
+    grid = ["--scenario", str(write_short(in_folder)), "--driver", "mine:Chatty", "--seeds", "0:1", "--workers", "1"]
+    assert cli.run(["sweep", *grid, "--json"]) == 0
+    said = capfd.readouterr()
+    json.loads(said.out)
+    assert "made\n" in said.err
+    assert "braking\n" in said.err
+
+
+def test_a_driver_that_cannot_be_created_is_wrong_input(in_folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["drive", "straight", "--driver", "mine:Unmade"]) == 2
+    said = capsys.readouterr()
+    assert said.err == "vpf-sim: driver 'mine:Unmade': making it raised RuntimeError: no weights\n"
+    assert not (in_folder / "runs").exists()
 
 
 def test_listings(capsys: pytest.CaptureFixture[str]) -> None:

@@ -17,8 +17,13 @@ def minute(_: object) -> float:
     return 60.0
 
 
-def second(_: object) -> float:
-    return 1.0
+def short_for_three(number: int) -> float:
+    """Only the task that hangs has little time: no other is given up on a busy machine."""
+    return 1.0 if number == 3 else 60.0
+
+
+def half_a_second(_: object) -> float:
+    return 0.5
 
 
 def square(number: int) -> int:
@@ -93,13 +98,15 @@ def test_a_task_that_kills_its_worker_twice_is_given_up_and_no_other() -> None:
 
 
 def test_a_task_that_hangs_is_ended_and_retried(tmp_path: Path) -> None:
-    done = {one.task: one for one in pool.run(partial(hang_once, tmp_path), range(6), workers=2, limit_s=second)}
+    done = {
+        one.task: one for one in pool.run(partial(hang_once, tmp_path), range(6), workers=2, limit_s=short_for_three)
+    }
     assert {task: one.result for task, one in done.items()} == {n: n for n in range(6)}
     assert done[3].attempts == 2
 
 
 def test_a_task_that_hangs_twice_is_given_up_with_its_stack() -> None:
-    done = {one.task: one for one in pool.run(hang, range(5), workers=1, limit_s=second)}
+    done = {one.task: one for one in pool.run(hang, range(5), workers=1, limit_s=short_for_three)}
     assert {task: one.result for task, one in done.items()} == {0: 0, 1: 1, 2: 2, 3: None, 4: 4}
     assert done[3].reason.startswith("took longer than 1 s, 2 times of 2\nTimeout")
     assert "test_pool.py" in done[3].reason
@@ -108,25 +115,33 @@ def test_a_task_that_hangs_twice_is_given_up_with_its_stack() -> None:
 
 @POSIX_ONLY
 def test_a_worker_that_cannot_end_itself_is_killed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pool, "GRACE_S", 5.0)
-    done = {one.task: one.result for one in pool.run(stand_still, range(5), workers=1, limit_s=second)}
+    monkeypatch.setattr(pool, "GRACE_S", 0.3)
+    done = {one.task: one.result for one in pool.run(stand_still, range(5), workers=1, limit_s=short_for_three)}
     assert done == {0: 0, 1: 1, 2: 2, 3: None, 4: 4}
 
 
+SLOW_START = """
+import multiprocessing, time
+if multiprocessing.parent_process():
+    time.sleep(1.5)
+def same(number): return number
+"""
+
+
 def test_a_slow_start_takes_no_time_of_the_task(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "slow_start.py").write_text("import time\ntime.sleep(2.5)\ndef same(number): return number\n")
+    (tmp_path / "slow_start.py").write_text(SLOW_START)
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(pool, "GRACE_S", 1.0)
+    monkeypatch.setattr(pool, "GRACE_S", 0.5)
     work = importlib.import_module("slow_start").same
-    done = list(pool.run(work, range(2), workers=1, limit_s=second))
+    done = list(pool.run(work, range(2), workers=1, limit_s=half_a_second))
     assert [(one.result, one.attempts) for one in done] == [(0, 1), (1, 1)]
 
 
 def test_a_worker_that_never_starts_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pool, "GRACE_S", 0.0)
     monkeypatch.setattr(pool, "START_S", -1.0)
-    (done,) = pool.run(square, [3], workers=1, limit_s=second)
-    assert done.reason.startswith("took longer than 1 s, 2 times of 2")
+    (done,) = pool.run(square, [3], workers=1, limit_s=half_a_second)
+    assert done.reason.startswith("took longer than 0.5 s, 2 times of 2")
 
 
 def test_an_exception_of_a_worker_ends_all() -> None:

@@ -15,6 +15,7 @@ import pytest
 from short_scenario import write_short
 from systems import POSIX_ONLY
 
+from vpf_sim import cli
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.analysis.statistics import seeds_for_mean, seeds_for_share, share_interval
 from vpf_sim.evaluation.analysis.summary import mean, summarize
@@ -29,8 +30,14 @@ SEEDS = "0:3"
 
 
 def command(folder: Path, out: Path, *more: str) -> list[str]:
+    """The arguments of a sweep."""
     grid = ["--scenario", str(folder / "short.toml"), "--driver", "pid", "--driver", "neutral", "--seeds", SEEDS]
-    return [sys.executable, "-m", "vpf_sim.cli", "sweep", *grid, "--out", str(out), *more]
+    return ["sweep", *grid, "--out", str(out), *more]
+
+
+def in_process(arguments: list[str]) -> list[str]:
+    """The command for a process of its own, one that can be killed."""
+    return [sys.executable, "-m", "vpf_sim.cli", *arguments]
 
 
 def contents(out: Path) -> tuple[list[str], Any]:
@@ -46,7 +53,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def undisturbed(folder: Path) -> Path:
     """A sweep with one worker, to its end."""
-    subprocess.run(command(folder, folder / "serial", "--workers", "1"), check=True, capture_output=True)
+    assert cli.run(command(folder, folder / "serial", "--workers", "1")) == 0
     return folder / "serial"
 
 
@@ -72,22 +79,17 @@ def test_a_run_folder_has_plan_and_results(undisturbed: Path) -> None:
     assert {path.stem for path in (undisturbed / "steps").iterdir()} == timing.keys()
 
 
-def test_two_workers_make_the_same_records(folder: Path, undisturbed: Path) -> None:
-    out = folder / "parallel"
-    subprocess.run(command(folder, out, "--workers", "2"), check=True, capture_output=True)
-    assert contents(out) == contents(undisturbed)
-
-
-def test_a_killed_sweep_resumes_to_the_same_records(folder: Path, undisturbed: Path) -> None:
+def test_a_killed_sweep_of_two_workers_resumes_to_the_records_of_one(folder: Path, undisturbed: Path) -> None:
     out = folder / "killed"
-    with subprocess.Popen(command(folder, out, "--workers", "2"), stderr=subprocess.DEVNULL) as parent:
+    killed = in_process(command(folder, out, "--workers", "2"))
+    with subprocess.Popen(killed, stderr=subprocess.DEVNULL) as parent:
         wait_for(out, records=2)
         parent.kill()
     stored = read_lines(out / "episodes.jsonl")
     assert 2 <= len(stored) < 6
     with (out / "episodes.jsonl").open("a") as file:
         file.write('{"accuracy": {"sha')  # the line that was being written
-    subprocess.run(command(folder, out, "--resume"), check=True, capture_output=True)
+    assert cli.run(command(folder, out, "--resume", "--workers", "2")) == 0
     assert contents(out) == contents(undisturbed)
 
 
@@ -97,21 +99,22 @@ def listen_to_ctrl_c() -> None:
 
 
 @POSIX_ONLY
-def test_ctrl_c_stops_and_prints_the_resume_command(folder: Path, undisturbed: Path) -> None:
+def test_ctrl_c_stops_and_prints_the_resume_command(
+    folder: Path, undisturbed: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     out = folder / "stopped"
-    with subprocess.Popen(
-        command(folder, out, "--workers", "1"), stderr=subprocess.PIPE, text=True, preexec_fn=listen_to_ctrl_c
-    ) as parent:
+    stopped = in_process(command(folder, out, "--workers", "1"))
+    with subprocess.Popen(stopped, stderr=subprocess.PIPE, text=True, preexec_fn=listen_to_ctrl_c) as parent:
         wait_for(out, records=1)
         os.kill(parent.pid, signal.SIGINT)
         _, said = parent.communicate()
     assert parent.returncode == 130
-    assert f"go on with: vpf-sim sweep --out {out} --resume" in said
     assert "Traceback" not in said
-    go_on = [sys.executable, "-m", "vpf_sim.cli", "sweep", "--out", str(out), "--resume", "--json"]
-    done = subprocess.run(go_on, check=True, capture_output=True, text=True)
+    go_on = ["sweep", "--out", str(out), "--resume", "--workers", "1"]
+    assert f"go on with: vpf-sim {' '.join(go_on)}\n" in said
+    assert cli.run([*go_on, "--json"]) == 0
     assert contents(out) == contents(undisturbed)
-    assert json.loads(done.stdout)["rows"] == json.loads((out / "summary.json").read_text())["rows"]
+    assert json.loads(capsys.readouterr().out)["rows"] == json.loads((out / "summary.json").read_text())["rows"]
 
 
 def test_an_edit_during_a_sweep_stops_it(tmp_path: Path) -> None:
