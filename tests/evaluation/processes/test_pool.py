@@ -159,7 +159,7 @@ def test_no_logs_of_workers_are_left(tmp_path: Path, monkeypatch: pytest.MonkeyP
     logs = tmp_path / "logs"
     logs.mkdir()
     monkeypatch.setattr("tempfile.tempdir", str(logs))
-    list(pool.run(partial(hang_once, tmp_path), range(4, 2, -1), workers=1, limit_s=second))
+    list(pool.run(partial(hang_once, tmp_path), range(4, 2, -1), workers=1, limit_s=short_for_three))
     started = pool.run(square, range(6), workers=2, limit_s=minute)
     next(started)
     started.close()
