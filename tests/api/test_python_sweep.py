@@ -1,5 +1,6 @@
 """`vpf_sim.sweep` and `vpf_sim.Run`: from one call to data frames, in worker processes where that can be."""
 
+import importlib
 import os
 import subprocess
 import sys
@@ -117,6 +118,11 @@ def test_a_class_of_a_script_is_refused_for_workers(short: Path) -> None:
     [
         ([Speed(), Speed(1.0)], {}, f"driver: two are called '{__name__}:Speed()'; name them: driver={{'a': ..., 'b'"),
         ({"pid": Speed()}, {}, "driver: 'pid' is the name of another driver; choose another key"),
+        ({"vpf@paper": Speed()}, {}, "driver: 'vpf@paper' is the name of another driver; choose another key"),
+        ({"mine:Own": Speed()}, {}, "driver: 'mine:Own' is the name of another driver; choose another key"),
+        ({"ours": "vpf"}, {}, "driver: 'ours': expected a class or an instance, got 'vpf'; give names in a list"),
+        ("pid", {"workers": -1}, "workers: expected a whole number >= 1, got -1"),
+        ("pid", {"timeout": "5"}, "timeout: expected seconds > 0, got '5'"),
         ("pid", {"seeds": range(0, 9, 3)}, "seeds: expected 'A:B' or a range of step 1, got range(0, 9, 3)"),
         ("pid", {"seeds": "5:2"}, "sweep: seeds: expected A:B with A below B, got '5:2', which holds no seed"),
         ([], {}, "sweep: driver: expected at least one, got none"),
@@ -128,6 +134,23 @@ def test_wrong_use_is_one_sentence(driver: Any, options: dict[str, Any], sentenc
         sweep(short, driver, **options)
     assert str(caught.value).startswith(sentence)
     assert list(short.parent.iterdir()) == [short], "nothing is left behind"
+
+
+def test_a_module_loaded_anew_is_driven_as_it_is_now(short: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As in a notebook, where a driver's module is edited between two sweeps."""
+    monkeypatch.syspath_prepend(short.parent)
+    file = short.parent / "edited_driver.py"
+    file.write_text(MODULE)
+    module = importlib.import_module("edited_driver")
+    old = module.Ahead
+    assert list(sweep(short, old, workers=1).records["status"]) == ["success"] * 2
+    file.write_text(MODULE.replace("0.5", "-1.0") + "# brakes")
+    module = importlib.reload(module)
+    assert list(sweep(short, {"before": old}).records["status"]) == ["success"] * 2
+    assert sweep(short, old).records["status"].iloc[0] == "success"
+    run = sweep(short, module.Ahead, workers=1)
+    assert set(run.records["status"]) != {"success"}
+    assert len(run.records) == 2
 
 
 def test_a_sweep_is_resumed(short: Path) -> None:

@@ -124,7 +124,9 @@ def _checked_name(driver: DriverLike, seed: int) -> str:
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
         raise InputError(f"seed: expected a whole number >= 0, got {seed!r}")
     name = drivers.name_of(driver)
-    if not drivers.is_importable(driver) and not isinstance(driver, str):
+    if drivers.is_importable(driver):
+        drivers.forget(name)
+    elif not isinstance(driver, str):
         drivers.keep(name, driver)
     return name
 

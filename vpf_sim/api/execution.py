@@ -32,6 +32,10 @@ class Execution:
     def check(self, plan: "Plan") -> None:
         """InputError where options contradict each other or the drivers of the plan."""
         self.check_folder()
+        if self.workers is not None and (type(self.workers) is not int or self.workers < 1):
+            raise InputError(f"workers: expected a whole number >= 1, got {self.workers!r}")
+        if self.timeout is not None and (type(self.timeout) not in (int, float) or not self.timeout > 0.0):
+            raise InputError(f"timeout: expected seconds > 0, got {self.timeout!r}")
         if self.cluster is not None and self.workers is not None:
             raise InputError("--workers: expected --workers or --cluster, got both; the cluster has its own workers")
         bound = of_this_process(plan)

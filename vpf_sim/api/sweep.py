@@ -61,12 +61,22 @@ def _names(given: Drivers) -> list[str]:
     for name, one in named:
         if name in known and known[name] is not one and name != one:
             raise InputError(f"driver: two are called '{name}'; name them: driver={{'a': ..., 'b': ...}}")
-        if isinstance(several, Mapping) and name in drivers.names():
-            raise InputError(f"driver: '{name}' is the name of another driver; choose another key")
+        if isinstance(several, Mapping) and name != one:
+            _check_key(name, one)
         known[name] = one
-        if not drivers.is_importable(one) or name != drivers.name_of(one):
+        if name == drivers.name_of(one) and drivers.is_importable(one):
+            drivers.forget(name)
+        elif name != one:
             drivers.keep(name, one)
     return list(known)
+
+
+def _check_key(key: str, driver: DriverLike) -> None:
+    """InputError for a key of a mapping that means another driver, or whose driver has a name already."""
+    if key in drivers.names() or ":" in key or key.startswith(drivers.VARIANT_PREFIX):
+        raise InputError(f"driver: '{key}' is the name of another driver; choose another key")
+    if isinstance(driver, str):
+        raise InputError(f"driver: '{key}': expected a class or an instance, got '{driver}'; give names in a list")
 
 
 def _span(seeds: range) -> str:

@@ -48,6 +48,11 @@ def keep(name: str, driver: DriverLike) -> None:
     _KEPT[name] = driver
 
 
+def forget(name: str) -> None:
+    """Let `create(name)` import the driver again, as after its module was loaded anew."""
+    _KEPT.pop(name, None)
+
+
 def is_kept(name: str) -> bool:
     """Whether `keep` was called with this name."""
     return name in _KEPT

@@ -13,7 +13,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from tempfile import mkstemp
-from threading import Thread
+from threading import Lock, Thread
 from time import monotonic
 from types import ModuleType
 from typing import Any, Generic, TypeVar
@@ -30,6 +30,7 @@ GRACE_S = 30.0  # beyond the limit, until a worker that did not end itself is ki
 START_S = 600.0  # for a worker to start: slow on a busy machine, and not the task's fault
 LONGEST_LOG = 1 << 16  # bytes
 SPAWN = multiprocessing.get_context("spawn")  # a fork would copy locks and OpenCV's state
+STARTING = Lock()  # while a process starts, the environment and the main module are exchanged
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +103,7 @@ def _start(number: int, work: Callable[[Task], Any]) -> "_Worker[Task]":
     descriptor, name = mkstemp(prefix="vpf_sim-worker-", suffix=".log")  # Windows inherits no descriptors
     os.close(descriptor)
     process = SPAWN.Process(target=_serve, args=(theirs, name, work), name=f"worker {number}", daemon=True)
-    with limited_environment(), _without_main():
+    with STARTING, limited_environment(), _without_main():
         process.start()
     theirs.close()  # so that the pipe ends when the worker dies
     return _Worker(number, process, ours, Path(name))

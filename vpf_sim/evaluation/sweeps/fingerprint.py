@@ -66,6 +66,11 @@ def _code_of(package: str) -> str | None:
     return sha256(Path(spec.origin).read_bytes()).hexdigest() if spec is not None and spec.origin else None
 
 
+def forget_code() -> None:
+    """Read the code of drivers anew at the next fingerprint, as a run that begins does."""
+    _code_of.cache_clear()
+
+
 def hash_of_files(folders: dict[str, Path]) -> str:
     """SHA-256 over names and contents of code and configuration in `folders` (name -> folder)."""
     found = {

@@ -11,7 +11,7 @@ from typing import Any
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.records import failed
-from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
+from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint, forget_code
 from vpf_sim.evaluation.sweeps.folder_lock import LOCK, locked
 from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
 from vpf_sim.evaluation.sweeps.plan import Plan, make_plan
@@ -49,6 +49,7 @@ def located(path: Path) -> Path:
 
 def manifest(command: str, plan: Plan) -> dict[str, Any]:
     """The manifest: command, plan, fingerprint, and hashes of scenarios, weathers and drivers."""
+    forget_code()
     asked = {key: value for key, value in asdict(plan).items() if value}
     return {"schema": 1, "command": command, "plan": asked, "fingerprint": fingerprint(), **plan.check()}
 
