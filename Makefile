@@ -27,7 +27,7 @@ lint: install
 types: install
 	rm -rf .types && mkdir -p .types/vpf_sim
 	ln -s $(abspath $(wildcard vpf_sim/*) envs controllers scenarios) .types/vpf_sim/
-	cd .types && $(abspath $(BIN))/mypy --config-file ../pyproject.toml -p vpf_sim
+	cd .types && $(abspath $(BIN))/mypy --config-file ../pyproject.toml --cache-dir ../.mypy_cache -p vpf_sim
 
 # One thread each, as in the drives: numpy's own threads spin while tests run side by side.
 unit slow: export OPENBLAS_NUM_THREADS := 1
