@@ -13,7 +13,7 @@ from vpf_sim.drivers import DriverLike
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.processes.threads import one_thread
-from vpf_sim.evaluation.steps import Step, StepTable
+from vpf_sim.evaluation.steps import StepTable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -52,9 +52,7 @@ class Episode:
     @property
     def steps(self) -> "pd.DataFrame":
         """A row a frame: state, commands, clearance, perception; NaN where there is no value."""
-        import pandas as pd
-
-        return pd.DataFrame(self.table.rows, columns=list(Step._fields))
+        return self.table.data_frame()
 
 
 def drive(
@@ -124,10 +122,7 @@ def _checked_name(driver: DriverLike, seed: int) -> str:
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
         raise InputError(f"seed: expected a whole number >= 0, got {seed!r}")
     name = drivers.name_of(driver)
-    if drivers.is_importable(driver):
-        drivers.forget(name)
-    elif not isinstance(driver, str):
-        drivers.keep(name, driver)
+    drivers.admit(name, driver)
     return name
 
 

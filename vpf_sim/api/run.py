@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 from vpf_sim.api.paths import StrPath
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.steps import Step
 from vpf_sim.evaluation.sweeps.run_folder import located, stored_plan
 from vpf_sim.reporting.stored_run import open_run
 
@@ -57,13 +56,11 @@ class Run:
 
     def steps(self, episode: str) -> "pd.DataFrame":
         """A row a frame of the episode with this id; InputError where it has no steps."""
-        import pandas as pd
-
         self._stored.record(episode)
         table = self._stored.steps(episode)
         if table is None:
             raise InputError(f"{episode}: expected an episode with steps, got one that never began")
-        return pd.DataFrame(table.rows, columns=list(Step._fields))
+        return table.data_frame()
 
     def summary(self) -> dict[str, Any]:
         """The rows and comparisons, as in summary.json of the folder."""

@@ -64,10 +64,7 @@ def _names(given: Drivers) -> list[str]:
         if isinstance(several, Mapping) and name != one:
             _check_key(name, one)
         known[name] = one
-        if name == drivers.name_of(one) and drivers.is_importable(one):
-            drivers.forget(name)
-        elif name != one:
-            drivers.keep(name, one)
+        drivers.admit(name, one)
     return list(known)
 
 

@@ -5,7 +5,7 @@ Naming the drivers loads none of them: planners and controllers are imported whe
 
 from vpf_sim.drivers.idm import IdmDriver
 from vpf_sim.drivers.neutral import NeutralDriver
-from vpf_sim.drivers.own import DriverLike, OwnDriver, forget, is_importable, keep, name_of
+from vpf_sim.drivers.own import DriverLike, OwnDriver, admit, is_importable, name_of
 from vpf_sim.drivers.protocol import command_of, needs_next_frame, perception_of, trace_of, uses_images
 from vpf_sim.drivers.registry import VARIANT_PREFIX, Description, create, describe, description, names
 from vpf_sim.drivers.route_followers import RouteDriver
@@ -20,13 +20,12 @@ __all__ = [
     "OwnDriver",
     "RouteDriver",
     "VisionDriver",
+    "admit",
     "command_of",
     "create",
     "describe",
     "description",
-    "forget",
     "is_importable",
-    "keep",
     "name_of",
     "names",
     "needs_next_frame",

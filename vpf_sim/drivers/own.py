@@ -43,18 +43,19 @@ def name_of(driver: DriverLike) -> str:
     return name if own is kind else f"{name}()"
 
 
-def keep(name: str, driver: DriverLike) -> None:
-    """Let `create(name)` make this driver for as long as the process lives."""
-    _KEPT[name] = driver
+def admit(name: str, driver: DriverLike) -> None:
+    """Let `create(name)` make this driver: a class or instance that no name leads to is kept while the process lives.
 
-
-def forget(name: str) -> None:
-    """Let `create(name)` import the driver again, as after its module was loaded anew."""
-    _KEPT.pop(name, None)
+    Of a class that can be imported, nothing is kept: its module may be loaded anew.
+    """
+    if name == name_of(driver) and is_importable(driver):
+        _KEPT.pop(name, None)
+    elif name != driver:
+        _KEPT[name] = driver
 
 
 def is_kept(name: str) -> bool:
-    """Whether `keep` was called with this name."""
+    """Whether `admit` kept a driver by this name."""
     return name in _KEPT
 
 

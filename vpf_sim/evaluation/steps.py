@@ -4,12 +4,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, nan
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from vpf_sim.evaluation import parquet
 from vpf_sim.types import Floats
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 class Step(NamedTuple):
@@ -71,6 +74,12 @@ class StepTable:
             raise AttributeError(f"the step table has no column '{name}'")
         column: Floats = self.rows[:, Step._fields.index(name)]
         return column
+
+    def data_frame(self) -> "pd.DataFrame":
+        """The rows with their names as a pandas data frame."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows, columns=list(Step._fields))
 
     def __len__(self) -> int:
         """n, the number of commands."""
