@@ -27,8 +27,11 @@ def seen(corners_m: Floats, distance_m: Floats | float, time_s: float, born_s: f
 
 
 def approached(looming: LoomingConsistency, count: int, stands: bool, now_m: float, born_s: float = 0.0) -> None:
-    """Record 1 s of the corners of an obstacle that stands, or of one five times as far off and as large that drives as
-    fast as we do and across, so that it seems to be where the first is."""
+    """Record 1 s of the corners of an obstacle that stands.
+
+    Or of one five times as far off and as large that drives as fast as the car, and across, so that its corners are
+    seen where those of the first would be.
+    """
     times_s = np.arange(0.0, 1.01, 1.0 / RATE_HZ)
     for time_s in times_s:
         to_go_m = SPEED_MPS * (times_s[-1] - time_s)

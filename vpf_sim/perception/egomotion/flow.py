@@ -271,7 +271,7 @@ class FlowTracker:
             if self.config.settled_points is not None:
                 self._drop_settled(rows, quota, self.config.settled_points)
             points = self._tracks.trail[0]
-            inside = (points[:, 1] >= rows.start) & (points[:, 1] < rows.stop)
+            inside = _in_band(points, rows)
             wanted = quota - np.count_nonzero(inside & ~self._tracks.stuck)
             if wanted >= max(1, quota // 20):
                 self._add(self._corners(image, rows, points[inside], int(wanted), hidden), image, pose)
@@ -280,8 +280,7 @@ class FlowTracker:
         """Drop the oldest points of the road beyond their share of a band."""
         tracks, most = self._tracks, int(config.kept_share * quota)
         points = tracks.trail[0]
-        old = (points[:, 1] >= rows.start) & (points[:, 1] < rows.stop)
-        old &= tracks.age > config.age_windows * self._window_frames
+        old = _in_band(points, rows) & (tracks.age > config.age_windows * self._window_frames)
         if np.count_nonzero(old) <= most:
             return
         chosen = np.flatnonzero(old)
@@ -318,3 +317,9 @@ class FlowTracker:
             points_px, tensor = points_px[corner], tensor[corner]
         self._tracks.append(points_px, tensor, pose, self._next_identity)
         self._next_identity += len(points_px)
+
+
+def _in_band(points_px: Floats, rows: slice) -> Bools:
+    """(N,) points in these rows of the image."""
+    inside: Bools = (points_px[:, 1] >= rows.start) & (points_px[:, 1] < rows.stop)
+    return inside

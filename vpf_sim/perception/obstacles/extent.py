@@ -70,16 +70,17 @@ def _reach(outward_m: Floats, blur_m: Floats, label: Integers, count: int, confi
 
     An edge carries points beside it along, so observations from nearer define it better.
     """
-    reach, sharp = np.full(count, -np.inf), np.ones(len(label), np.bool_)
-    if config is not None:
-        order = np.lexsort((blur_m, label))
-        first = np.searchsorted(label[order], np.arange(count + 1))
-        best = blur_m[order][np.minimum(first[:-1] + config.points, first[1:]) - 1]
-        sharp = blur_m <= config.ratio * best[label]
+    reach = np.full(count, -np.inf)
+    if config is None:
+        np.maximum.at(reach, label, outward_m)
+        return reach
+    order = np.lexsort((blur_m, label))
+    first = np.searchsorted(label[order], np.arange(count + 1))
+    best = blur_m[order][np.minimum(first[:-1] + config.points, first[1:]) - 1]
+    sharp = blur_m <= config.ratio * best[label]
     np.maximum.at(reach, label[sharp], outward_m[sharp])
-    if config is not None:
-        farther = outward_m - config.blurs * blur_m > reach[label]
-        np.maximum.at(reach, label[farther], outward_m[farther])
+    farther = outward_m - config.blurs * blur_m > reach[label]
+    np.maximum.at(reach, label[farther], outward_m[farther])
     return reach
 
 
