@@ -136,3 +136,9 @@ def test_a_line_along_the_road_is_an_arc(curvature: float) -> None:
         centre = np.array([-np.sin(0.1), np.cos(0.1)]) / curvature
         distance = np.linalg.norm(line - centre, axis=1)
         assert distance == pytest.approx(np.full(9, abs(1.0 / curvature - 2.0)))
+
+
+def test_labels_do_not_cover_each_other() -> None:
+    near, behind = overlay.Label("8.0 m", 100.0, 150.0, 200.0), overlay.Label("11.0 m", 140.0, 200.0, 195.0)
+    beside, above = overlay.Label("12.0 m", 170.0, 220.0, 200.0), overlay.Label("14.0 m", 100.0, 150.0, 170.0)
+    assert overlay.uncovered([near, behind, beside, above]) == [near, beside, above]

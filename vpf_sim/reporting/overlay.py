@@ -1,5 +1,8 @@
 """Draws a driver's perception and plan into its frame."""
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import cv2
 import numpy as np
 
@@ -24,6 +27,23 @@ PATH_WIDTH_M = 1.9
 SHIFT_M = 16.0  # length of the drawn transition to the planned lateral position
 OBSTACLE_HEIGHT_M = 1.4
 OBSTACLE_LENGTH_M = 3.0
+LABEL_GAP_PX = 8.0  # between labels side by side
+LABEL_ROW_PX = 18.0  # between labels one above the other
+
+
+class Label(NamedTuple):
+    """Text over an obstacle."""
+
+    words: str
+    left_px: float
+    right_px: float
+    base_px: float
+
+    def covers(self, other: "Label", unit: float) -> bool:
+        """Whether one of the two would make the other unreadable; `unit` as in Canvas."""
+        gap = LABEL_GAP_PX * unit
+        beside = self.left_px > other.right_px + gap or other.left_px > self.right_px + gap
+        return not beside and abs(self.base_px - other.base_px) < LABEL_ROW_PX * unit
 
 
 def draw(frame_rgb: Image, plan: Plan, camera: Camera) -> Image:
@@ -122,6 +142,7 @@ def _flow(canvas: Canvas, perception: Perception) -> None:
 def _draw_obstacles(canvas: Canvas, perception: Perception) -> None:
     """Draw each obstacle as a box on the road, with distance and time to contact."""
     obstacles = perception.obstacles
+    labels: list[Label] = []  # from far to near
     for i in np.argsort(-obstacles.forward_m):
         near, left, right = float(obstacles.forward_m[i]), float(obstacles.left_m[i]), float(obstacles.right_m[i])
         corners = [(near, left), (near, right), (near + OBSTACLE_LENGTH_M, right), (near + OBSTACLE_LENGTH_M, left)]
@@ -129,17 +150,33 @@ def _draw_obstacles(canvas: Canvas, perception: Perception) -> None:
         head = canvas.project(np.array([(x, y, OBSTACLE_HEIGHT_M) for x, y in corners]))
         if not (np.all(np.isfinite(foot)) and np.all(np.isfinite(head))):
             continue
-        face = np.stack([foot[0], foot[1], head[1], head[0]])
-        canvas.fill([foot], OBSTACLE, 0.30)
-        canvas.fill([face], OBSTACLE, 0.16)
-        canvas.lines([head, foot], OBSTACLE, 1, closed=True)
-        canvas.lines([np.stack([foot[j], head[j]]) for j in range(4)], OBSTACLE, 1)
-        canvas.lines([face], SHADE, 3, closed=True)
-        canvas.lines([face], OBSTACLE, 2, closed=True)
+        _box(canvas, foot, head)
         ttc = float(obstacles.ttc_s[i])
         words = f"{near:.1f} m" + (f"  {ttc:.1f} s" if np.isfinite(ttc) else "")
-        centre = 0.5 * float(head[0, 0] + head[1, 0])
-        canvas.text(words, centre - 0.5 * canvas.text_width_px(words), float(head[0, 1]) - 6 * canvas.unit)
+        centre, half = 0.5 * float(head[0, 0] + head[1, 0]), 0.5 * canvas.text_width_px(words)
+        labels.append(Label(words, centre - half, centre + half, float(head[0, 1]) - 6 * canvas.unit))
+    for label in uncovered(labels[::-1], canvas.unit):
+        canvas.text(label.words, label.left_px, label.base_px)
+
+
+def _box(canvas: Canvas, foot_px: Floats, head_px: Floats) -> None:
+    """Draw a box from its (4, 2) px corners on the road and above; the first two are of the near face."""
+    face = np.stack([foot_px[0], foot_px[1], head_px[1], head_px[0]])
+    canvas.fill([foot_px], OBSTACLE, 0.30)
+    canvas.fill([face], OBSTACLE, 0.16)
+    canvas.lines([head_px, foot_px], OBSTACLE, 1, closed=True)
+    canvas.lines([np.stack([foot_px[j], head_px[j]]) for j in range(4)], OBSTACLE, 1)
+    canvas.lines([face], SHADE, 3, closed=True)
+    canvas.lines([face], OBSTACLE, 2, closed=True)
+
+
+def uncovered(labels: Sequence[Label], unit: float = 1.0) -> list[Label]:
+    """The labels, from near to far, that no nearer one would cover."""
+    kept: list[Label] = []
+    for label in labels:
+        if not any(label.covers(other, unit) for other in kept):
+            kept.append(label)
+    return kept
 
 
 def _expansion(canvas: Canvas, perception: Perception) -> None:
