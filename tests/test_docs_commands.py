@@ -29,8 +29,8 @@ from vpf_sim.replay.drive_file import DriveFile
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
-PAGES = ["own-drives", "gate", "cluster"]
-TOO_LONG = {"reproduce", "results"}  # drive for a good part of an hour
+PAGES = ["own-drives", "gate", "cluster", "reproduce"]
+TOO_LONG = {"results"}  # drives for a good part of an hour
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 ELSEWHERE = ("pip ", "helm ")  # what sets up machines, and no command of ours
 STAYS = "dask "  # runs until it is ended
