@@ -3,8 +3,8 @@
     python scripts/sensor_faults.py --seeds 0:3 --out DIR [--driver D]... [--base town04]... [--weather W] [--only WORD]
         [--workers N] [--resume]
 
-Each row is a scenario with one fault, stored as a file in DIR, on the same roads as the first row. Failed seeds are
-listed beside the successes; `vpf-sim video` re-renders them.
+Each row is a scenario with one fault, stored as a file in DIR, on the same roads as the first row. A cell has the
+successes, their least clearance, and the seeds that failed; `vpf-sim video` re-renders them.
 """
 
 import argparse
@@ -60,10 +60,12 @@ def sweep(scenarios: list[Path], arguments: argparse.Namespace) -> list[dict[str
 
 
 def cell(found: list[dict[str, Any]]) -> str:
-    """Successes, and the endings of the other episodes."""
-    failed = ", ".join(f"{one['seed']} {one['status']}" for one in found if one["status"] != "success")
-    good = sum(one["status"] == "success" for one in found)
-    return f"{good}/{len(found)}" + (f" ({failed})" if failed else "")
+    """Successes with their least clearance, and the endings of the other episodes."""
+    good = [one for one in found if one["status"] == "success"]
+    clearances_m = [one["min_clearance_m"] for one in good if one["min_clearance_m"] is not None]
+    least = f", {min(clearances_m):.2f} m" if clearances_m else ""
+    failed = ", ".join(f"{one['seed']} {one['status']}" for one in found if one not in good)
+    return f"{len(good)}/{len(found)}{least}" + (f" ({failed})" if failed else "")
 
 
 def main() -> None:
