@@ -1,6 +1,5 @@
 """One episode."""
 
-import os
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -8,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vpf_sim import drivers
-from vpf_sim.api.paths import StrPath, check_output, path_or_none
+from vpf_sim.api.paths import StrPath, output_file, text
 from vpf_sim.drivers import DriverLike
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.episode import episode
@@ -96,24 +95,19 @@ def driven(
     """
     from vpf_sim.reporting import viewers
 
-    film, log = path_or_none(video), path_or_none(rerun)
-    check_output("video", film)
-    check_output("rerun", log)
-    names, name = (os.fspath(scenario), os.fspath(weather)), _checked_name(driver, seed)
+    film, log = output_file("video", video), output_file("rerun", rerun)
+    names, name = (text("scenario", scenario), text("weather", weather)), _checked_name(driver, seed)
     with ExitStack() as stack:
         stack.enter_context(one_thread())
         asked = _manifest(*names, name, seed) if out is not False else None
         attached = stack.enter_context(viewers.attached(film, watch, log))
-        folder = None if asked is None else _open(asked, out)
-        try:
-            result = episode.run(*names, driver, seed, attached.show)
-        except BaseException:  # mostly Ctrl-C
-            if folder is not None:
-                folder.discard()
-            raise
-        if folder is not None:
-            _store(folder, result)
-        yield Episode(result.record, result.steps, result.timing, None if folder is None else folder.path)
+        if asked is None:
+            result, path = episode.run(*names, driver, seed, attached.show), None
+        else:
+            with _stored(asked, out) as folder:
+                result, path = episode.run(*names, driver, seed, attached.show), folder.path
+                _store(folder, result)
+        yield Episode(result.record, result.steps, result.timing, path)
         attached.finish(result.steps)
 
 
@@ -133,10 +127,20 @@ def _manifest(scenario: str, weather: str, driver: str, seed: int) -> dict[str, 
     return run_folder.manifest("drive", Plan((scenario,), (weather,), (driver,), f"{seed}:{seed + 1}"))
 
 
-def _open(asked: dict[str, Any], out: StrPath | bool) -> "RunFolder":
+@contextmanager
+def _stored(asked: dict[str, Any], out: StrPath | bool) -> "Iterator[RunFolder]":
+    """The run folder; without a complete episode, as after Ctrl-C or on a full disk, nothing is left of it."""
     from vpf_sim.evaluation.sweeps import run_folder
 
-    return run_folder.RunFolder(run_folder.new_path("drive") if isinstance(out, bool) else Path(out), asked)
+    path = run_folder.new_path("drive") if isinstance(out, bool) else Path(text("out", out))
+    is_theirs = not isinstance(out, bool) and path.exists()
+    folder = run_folder.RunFolder(path, asked)
+    try:
+        yield folder
+    except BaseException:
+        folder.discard(keep_folder=is_theirs)
+        raise
+    folder.close()
 
 
 def _store(folder: "RunFolder", result: episode.EpisodeResult) -> None:
@@ -144,4 +148,3 @@ def _store(folder: "RunFolder", result: episode.EpisodeResult) -> None:
 
     steps.write(result.steps, folder.path / "steps" / f"{result.record['id']}.parquet")
     folder.add(result.record, result.timing)
-    folder.close()

@@ -30,7 +30,7 @@ from vpf_sim.cli import (
     video,
     weathers,
 )
-from vpf_sim.errors import InputError
+from vpf_sim.errors import InputError, on_command_line
 from vpf_sim.evaluation.processes import threads
 
 SIMULATING = (
@@ -118,7 +118,8 @@ def run(arguments: Sequence[str]) -> int:
         if not argument.isascii() and argument != argument.encode("utf-8", "replace").decode():
             return _refuse(f"expected names in UTF-8, got {argument!a}; rename the file or folder")
     try:
-        code = app(list(arguments), prog_name="vpf-sim", standalone_mode=False)
+        with on_command_line():
+            code = app(list(arguments), prog_name="vpf-sim", standalone_mode=False)
     except InputError as error:
         return _refuse(str(error))
     except OSError as error:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vpf_sim.api.paths import check_output
 from vpf_sim.cli.options import (
     DriverOption,
     JsonOption,
@@ -47,8 +46,6 @@ def drive(
     from vpf_sim.api import invalid_frames
     from vpf_sim.api.drive import driven
 
-    check_output("--video", video)
-    check_output("--rerun", rerun)
     answer = sys.stdout
     with (
         prints_on_stderr(),
