@@ -2,7 +2,7 @@
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Annotated, Any
 
 import typer
@@ -30,6 +30,7 @@ from vpf_sim.cli import (
     video,
     weathers,
 )
+from vpf_sim.cli.help import Command
 from vpf_sim.errors import InputError, on_command_line
 from vpf_sim.evaluation.processes import threads
 
@@ -75,22 +76,26 @@ def options(
     """The options of the program itself, beside those of its commands."""
 
 
-app.command("drive")(drive.drive)
-app.command("sweep")(sweep.sweep)
-app.command("benchmark")(benchmark.benchmark)
-app.command("ablate")(ablate.ablate)
-app.command("readings")(readings.readings)
-app.command("replay")(replay.replay)
-app.command("score")(score.score)
-app.command("report")(report.report)
-app.command("results")(results_page.results)
-app.command("reproduce")(reproduce.reproduce)
-app.command("video")(video.video)
-app.command("check")(check.check)
-app.command("perception")(perception.perception)
-app.command("profile")(profile.profile)
-app.command("gallery")(gallery.gallery)
-app.command("doctor")(doctor.doctor)
+COMMANDS: tuple[Callable[..., None], ...] = (
+    drive.drive,
+    sweep.sweep,
+    benchmark.benchmark,
+    ablate.ablate,
+    readings.readings,
+    replay.replay,
+    score.score,
+    report.report,
+    results_page.results,
+    reproduce.reproduce,
+    video.video,
+    check.check,
+    perception.perception,
+    profile.profile,
+    gallery.gallery,
+    doctor.doctor,
+)
+for one in COMMANDS:
+    app.command(one.__name__, cls=Command)(one)
 app.add_typer(scenarios.app, name="scenarios")
 app.add_typer(weathers.app, name="weathers")
 app.add_typer(drivers.app, name="drivers")

@@ -10,7 +10,7 @@ import typer
 from vpf_sim.cli.options import (
     DriverOption,
     JsonOption,
-    OutOption,
+    NewOutOption,
     ScenarioArgument,
     WeatherOption,
     print_json,
@@ -39,7 +39,7 @@ def drive(
     video: VideoOption = None,
     watch: WatchOption = False,
     rerun: RerunOption = None,
-    out: OutOption = None,
+    out: NewOutOption = None,
     json: JsonOption = False,
 ) -> None:
     """Drive one episode; exit code 1 if it does not succeed."""

@@ -8,7 +8,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
 from vpf_sim.evaluation.sweeps.folder_lock import locked
 from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
-from vpf_sim.evaluation.sweeps.run_folder import change, write_json
+from vpf_sim.evaluation.sweeps.run_folder import change, check_name, write_json
 from vpf_sim.replay import inputs
 from vpf_sim.replay.real_table import DIFFERENCES, rows
 
@@ -77,6 +77,7 @@ class ReplayFolder:
         self._lock.release()
 
     def _make(self) -> None:
+        check_name(self.path)
         if self.path.exists() and not self.path.is_dir():
             raise InputError(f"{self.path}: expected a folder, got a file")
         if self.path.exists() and any(self.path.iterdir()):

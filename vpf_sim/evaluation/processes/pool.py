@@ -104,8 +104,8 @@ def _start(number: int, work: Callable[[Task], Any]) -> "_Worker[Task]":
     ours, theirs = SPAWN.Pipe()
     descriptor, name = mkstemp(prefix="vpf_sim-worker-", suffix=".log")  # Windows inherits no descriptors
     os.close(descriptor)
-    process = SPAWN.Process(target=_serve, args=(theirs, name, work), name=f"worker {number}", daemon=True)
     try:
+        process = SPAWN.Process(target=_serve, args=(theirs, name, work), name=f"worker {number}", daemon=True)
         with STARTING, limited_environment(), _without_main():
             process.start()
     except BaseException:
