@@ -80,6 +80,12 @@ def test_an_exception_of_the_driver_is_told(short: Path) -> None:
     assert repr(episode).endswith("error, KeyError: 'no such road'>")
 
 
+def test_a_seed_of_numpy_is_a_seed(short: Path) -> None:
+    records = [vpf_sim.drive(short, driver="neutral", seed=seed).record for seed in (3, np.int64(3))]
+    assert records[0] == records[1]
+    assert type(records[1]["seed"]) is int
+
+
 def test_a_class_of_a_function_is_a_driver_too(short: Path) -> None:
     class Local(Ahead):
         pass
@@ -183,8 +189,10 @@ class Needy(Ahead):
         ({"out": "runs/latest"}, "runs/latest: expected another name: this one stands for the run that began last"),
         ({"video": "."}, "video: .: expected the name of a file, got a folder"),
         ({"weather": "claer"}, "unknown weather 'claer': did you mean 'clear'?"),
-        ({"seed": -1}, "seed: expected a whole number >= 0, got -1"),
-        ({"seed": "3"}, "seed: expected a whole number >= 0, got '3'"),
+        ({"seed": -1}, "seed: expected a whole number of 1 to 18 digits, got -1"),
+        ({"seed": "3"}, "seed: expected a whole number of 1 to 18 digits, got '3'"),
+        ({"seed": True}, "seed: expected a whole number of 1 to 18 digits, got True"),
+        ({"seed": 10**18}, "seed: expected a whole number of 1 to 18 digits, got 1000000000000000000"),
         ({"video": "vidoes/a.mp4"}, "video: vidoes/a.mp4: expected a folder that exists, found no vidoes"),
     ],
 )

@@ -171,6 +171,8 @@ OWN = "give a class that a module defines, without a key"
         (Speed(), {"cluster": "a:1"}, f"cluster: driver '{__name__}:Speed()': other processes cannot make it; {OWN}"),
         ("pid", {"cluster": "nowhere"}, "cluster: expected a Dask scheduler at nowhere, got: no HOST:PORT"),
         ("pid", {"cluster": "a:1", "workers": 2}, "workers: expected workers or cluster, got both"),
+        ({1: Speed()}, {}, "driver: expected names as keys, got 1"),
+        ("pid", {"cluster": 5}, "cluster: expected an address, got 5"),
         ("pid", {"scenario": 5}, "scenario: expected a name or a path, got 5"),
         ("pid", {"weather": ["clear", None]}, "weather: expected a name or a path, got None"),
         ("pid", {"out": 5}, "out: expected a name or a path, got 5"),
@@ -228,7 +230,15 @@ def test_a_report_is_a_page_of_the_run(short: Path) -> None:
         assert "Speed" in page.read_text("utf-8")
 
 
+@pytest.mark.parametrize("clips", [-1, "3", None])
+def test_wrong_clips_are_refused(clips: Any) -> None:
+    with pytest.raises(vpf_sim.InputError, match=r"^clips: expected a whole number >= 0, got "):
+        vpf_sim.report("runs/latest", clips=clips)
+
+
 @pytest.mark.usefixtures("short")
 def test_what_is_no_run_is_refused() -> None:
     with pytest.raises(vpf_sim.InputError, match=r"^runs/latest: expected a run folder, got nothing of that name$"):
         vpf_sim.report("runs/latest")
+    with pytest.raises(vpf_sim.InputError, match=r"^run: expected a name or a path, got None$"):
+        vpf_sim.Run(None)  # type: ignore[arg-type]

@@ -3,13 +3,14 @@
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from operator import index
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, SupportsIndex
 
 from vpf_sim import drivers
 from vpf_sim.api.paths import StrPath, output_file, text
 from vpf_sim.drivers import DriverLike
-from vpf_sim.errors import InputError
+from vpf_sim.errors import InputError, option, shown
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.processes.threads import one_thread
 from vpf_sim.evaluation.steps import StepTable
@@ -96,7 +97,8 @@ def driven(
     from vpf_sim.reporting import viewers
 
     film, log = output_file("video", video), output_file("rerun", rerun)
-    names, name = (text("scenario", scenario), text("weather", weather)), _checked_name(driver, seed)
+    names = text("scenario", scenario), text("weather", weather)
+    name, seed = _checked_name(driver), _checked_seed(seed)
     with ExitStack() as stack:
         stack.enter_context(one_thread())
         asked = _manifest(*names, name, seed) if out is not False else None
@@ -111,10 +113,17 @@ def driven(
         attached.finish(result.steps)
 
 
-def _checked_name(driver: DriverLike, seed: int) -> str:
+def _checked_seed(seed: int) -> int:
+    """The seed as Python's own number, also of numpy's."""
+    from vpf_sim.evaluation.sweeps.plan import MOST_DIGITS
+
+    if isinstance(seed, bool) or not isinstance(seed, SupportsIndex) or not 0 <= index(seed) < 10**MOST_DIGITS:
+        raise InputError(f"{option('seed')}: expected a whole number of 1 to {MOST_DIGITS} digits, got {shown(seed)}")
+    return index(seed)
+
+
+def _checked_name(driver: DriverLike) -> str:
     """The driver's name, by which it is found in this process."""
-    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
-        raise InputError(f"seed: expected a whole number >= 0, got {seed!r}")
     name = drivers.name_of(driver)
     drivers.admit(name, driver)
     return name

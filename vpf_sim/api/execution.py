@@ -38,6 +38,8 @@ class Execution:
             raise InputError(f"{option('workers')}: expected a whole number >= 1, got {self.workers!r}")
         if self.timeout is not None and (type(self.timeout) not in (int, float) or not self.timeout > 0.0):
             raise InputError(f"{option('timeout')}: expected seconds > 0, got {self.timeout!r}")
+        if self.cluster is not None and not isinstance(self.cluster, str):
+            raise InputError(f"{option('cluster')}: expected an address, got {self.cluster!r}")
         if self.cluster is not None and self.workers is not None:
             both = f"{option('workers')} or {option('cluster')}"
             raise InputError(f"{option('workers')}: expected {both}, got both; the cluster has its own workers")

@@ -4,6 +4,7 @@ import sys
 
 from vpf_sim.api.paths import StrPath, output_file
 from vpf_sim.api.run import Run
+from vpf_sim.errors import InputError, option, shown
 from vpf_sim.evaluation.processes.threads import one_thread
 from vpf_sim.files import write_text
 
@@ -22,6 +23,8 @@ def report(run: Run | StrPath, *, out: StrPath | None = None, clips: int = CLIPS
     from vpf_sim.reporting import page
     from vpf_sim.reporting.stored_run import open_run
 
+    if type(clips) is not int or clips < 0:
+        raise InputError(f"{option('clips')}: expected a whole number >= 0, got {shown(clips)}")
     file = output_file("out", out)
     found = run if isinstance(run, Run) else Run(run)
     with one_thread():

@@ -10,7 +10,7 @@ from vpf_sim.api.filling import fill
 from vpf_sim.api.paths import StrPath, text, texts
 from vpf_sim.api.run import Run
 from vpf_sim.drivers import DriverLike
-from vpf_sim.errors import InputError
+from vpf_sim.errors import InputError, shown
 from vpf_sim.evaluation.sweeps import run_folder
 from vpf_sim.evaluation.sweeps.plan import make_plan
 
@@ -73,8 +73,10 @@ def _names(given: Drivers) -> list[str]:
     return list(known)
 
 
-def _check_key(key: str, driver: DriverLike) -> None:
+def _check_key(key: object, driver: DriverLike) -> None:
     """InputError for a key of a mapping that means another driver, or whose driver has a name already."""
+    if not isinstance(key, str):
+        raise InputError(f"driver: expected names as keys, got {shown(key)}")
     if key in drivers.names() or ":" in key or key.startswith(drivers.VARIANT_PREFIX):
         raise InputError(f"driver: '{key}' is the name of another driver; choose another key")
     if isinstance(driver, str):
