@@ -3,6 +3,7 @@
 import io
 import os
 import sys
+from pathlib import Path
 from typing import Any, TextIO
 
 
@@ -21,10 +22,13 @@ def reserve_stdout() -> None:
 
     Characters that the encoding lacks are written as escapes.
     """
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed by the parent process
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115 (open until the end)
     try:
         answer = os.dup(1)
         os.dup2(2, 1)
-    except OSError:  # closed by the parent process
+    except OSError:
         return
     sys.stdout = _text_stream(answer, sys.stdout)
     sys.stderr = _text_stream(os.dup(2), sys.stderr)

@@ -7,6 +7,7 @@ from typing import Any
 import filelock
 import pytest
 
+from vpf_sim import system
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.sweeps import folder_lock, run_folder
 from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, RunFolder, located
@@ -50,6 +51,24 @@ def test_a_folder_is_locked_until_its_files_are_removed(tmp_path: Path, monkeypa
     monkeypatch.setattr(Path, "unlink", watched)
     folder.discard()
     assert MANIFEST in removed
+    assert not folder.path.exists()
+
+
+def test_on_windows_a_folder_is_removed_as_well(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It removes no file that is open, as the lock is while it is held."""
+    folder, unlink = RunFolder(tmp_path / "run", ASKED), Path.unlink
+
+    def refused(path: Path, missing_ok: bool = False) -> None:
+        if path.name == folder_lock.LOCK:
+            try:
+                folder_lock.locked(path.parent).release()
+            except InputError:
+                raise PermissionError(13, "used by another process", str(path)) from None
+        unlink(path, missing_ok)
+
+    monkeypatch.setattr(system, "WINDOWS", True)
+    monkeypatch.setattr(Path, "unlink", refused)
+    folder.discard()
     assert not folder.path.exists()
 
 
