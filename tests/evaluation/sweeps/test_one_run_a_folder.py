@@ -1,5 +1,6 @@
 """A run folder has one run at a time, from its first file to its last."""
 
+import json
 import shutil
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,8 @@ from vpf_sim import system
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.sweeps import folder_lock, run_folder
 from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, RunFolder, located
+from vpf_sim.replay import replay_folder
+from vpf_sim.replay.replay_folder import ReplayFolder
 
 ASKED: dict[str, Any] = {
     "schema": 1,
@@ -22,20 +25,23 @@ ASKED: dict[str, Any] = {
 }
 
 
-def test_of_two_runs_that_begin_at_once_one_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("kind", "module"), [(RunFolder, run_folder), (ReplayFolder, replay_folder)])
+def test_of_two_runs_that_begin_at_once_one_is_refused(
+    kind: Any, module: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The other begins after this one found the folder empty, and before it locks it."""
-    lock = run_folder.locked
+    lock, other = module.locked, {**ASKED, "plan": {"driver": "other"}, "drivers": {}, "recordings": {}}
 
     def late(path: Path) -> Any:
-        monkeypatch.setattr(run_folder, "locked", lock)
-        RunFolder(path, {**ASKED, "command": "benchmark"}).close()
+        monkeypatch.setattr(module, "locked", lock)
+        kind(path, other).close()
         return lock(path)
 
-    monkeypatch.setattr(run_folder, "locked", late)
-    with pytest.raises(InputError, match="expected an empty or new run folder"):
-        RunFolder(tmp_path / "run", ASKED)
-    assert run_folder.read_manifest(tmp_path / "run")["command"] == "benchmark"
-    RunFolder(tmp_path / "run", {**ASKED, "command": "benchmark"}, resume=True).close()
+    monkeypatch.setattr(module, "locked", late)
+    with pytest.raises(InputError, match="expected an empty or new"):
+        kind(tmp_path / "run", ASKED)
+    assert json.loads((tmp_path / "run" / MANIFEST).read_text("utf-8"))["plan"] == other["plan"]
+    kind(tmp_path / "run", other, resume=True).close()
 
 
 def test_a_folder_is_locked_until_its_files_are_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
