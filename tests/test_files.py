@@ -174,6 +174,7 @@ ALLOWED = {
     "vpf_sim/files.py": {"open", "write_bytes", "replace"},
     "vpf_sim/evaluation/sweeps/json_lines.py": {"os.open"},  # appended to, and cut back where there is no room
     "vpf_sim/evaluation/processes/pool.py": {"mkstemp", "os.open"},  # a worker's log, appended to by its watchdog
+    "vpf_sim/cli/streams.py": {"os.open"},  # the null device
     "vpf_sim/evaluation/parquet.py": {"write_parquet"},
     "vpf_sim/reporting/paper_figures.py": {"savefig"},  # into memory
     "vpf_sim/reporting/video.py": {"open"},

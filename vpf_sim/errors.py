@@ -1,11 +1,35 @@
 """Errors of the user, one line each."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from difflib import get_close_matches
+
+_COMMAND_LINE = ContextVar("command_line", default=False)
 
 
 class InputError(Exception):
     """Wrong use or wrong input; the command line prints the message and exits with 2."""
+
+
+@contextmanager
+def on_command_line() -> Iterator[None]:
+    """A context in which messages name options of the command line, not parameters of Python's functions."""
+    token = _COMMAND_LINE.set(True)
+    try:
+        yield
+    finally:
+        _COMMAND_LINE.reset(token)
+
+
+def is_on_command_line() -> bool:
+    """Whether the user reads messages of a command, not of a Python function."""
+    return _COMMAND_LINE.get()
+
+
+def option(name: str) -> str:
+    """A parameter as the user wrote it: "--out" on the command line, "out" in Python."""
+    return f"--{name}" if is_on_command_line() else name
 
 
 def unknown_name(what: str, name: str, known: Iterable[str]) -> InputError:

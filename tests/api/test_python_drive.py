@@ -9,6 +9,7 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+from little_room import limited
 from short_scenario import write_short
 
 import vpf_sim
@@ -79,6 +80,12 @@ def test_an_exception_of_the_driver_is_told(short: Path) -> None:
     assert repr(episode).endswith("error, KeyError: 'no such road'>")
 
 
+def test_a_seed_of_numpy_is_a_seed(short: Path) -> None:
+    records = [vpf_sim.drive(short, driver="neutral", seed=seed).record for seed in (3, np.int64(3))]
+    assert records[0] == records[1]
+    assert type(records[1]["seed"]) is int
+
+
 def test_a_class_of_a_function_is_a_driver_too(short: Path) -> None:
     class Local(Ahead):
         pass
@@ -94,6 +101,48 @@ def test_an_episode_is_stored_where_it_is_asked_for(short: Path) -> None:
     assert new.path is not None
     assert new.path.parent == Path("runs")
     assert vpf_sim.Run(new.path).steps(new.record["id"]).equals(new.steps)
+
+
+class Interrupts(Ahead):
+    def act(self, observation: vpf_sim.Observation) -> vpf_sim.Command:  # noqa: ARG002
+        raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("existed", [False, True])
+def test_ctrl_c_leaves_what_was_there(existed: bool, short: Path) -> None:
+    if existed:
+        Path("mine").mkdir()
+    with pytest.raises(KeyboardInterrupt):
+        vpf_sim.drive(short, driver=Interrupts, out="mine")
+    assert [*Path().rglob("mine*")] == ([Path("mine")] if existed else [])
+
+
+def test_a_full_disk_leaves_no_half_run(short: Path) -> None:
+    """The manifest fits, the steps do not; the exception is kept, as in a notebook."""
+    with limited(3000), pytest.raises(OSError, match=r"steps.*\.parquet") as caught:
+        vpf_sim.drive(short, driver=Ahead(), out="mine")
+    assert not Path("mine").exists()
+    assert caught.value.__traceback__ is not None
+    assert vpf_sim.drive(short, driver=Ahead(), out="mine").status == "success"
+
+
+class SaysItsPrivilege:
+    """Not a subclass of `vpf_sim.Driver`."""
+
+    uses_images = False
+
+    def __init__(self) -> None:
+        self.privileged = "route"
+
+    def reset(self, setup: vpf_sim.DriverSetup) -> None:
+        assert setup.route is not None
+
+    def act(self, observation: vpf_sim.Observation) -> vpf_sim.Command:  # noqa: ARG002
+        return vpf_sim.Command(0.5, 0.0)
+
+
+def test_an_instance_says_its_privilege(short: Path) -> None:
+    assert vpf_sim.drive(short, driver=SaysItsPrivilege).status == "success"
 
 
 def test_a_video_shows_every_frame(short: Path) -> None:
@@ -135,9 +184,15 @@ class Needy(Ahead):
         ({"driver": Nosy}, f"driver '{__name__}:Nosy': privileged: expected none, route or world, got 'everything'"),
         ({"driver": Needy}, f"driver '{__name__}:Needy': expected a class that is made without arguments: "),
         ({"driver": "vfp"}, "unknown driver 'vfp': did you mean 'vpf'?"),
+        ({"weather": 5}, "weather: expected a name or a path, got 5"),
+        ({"out": None}, "out: expected a name or a path, got None"),
+        ({"out": "runs/latest"}, "runs/latest: expected another name: this one stands for the run that began last"),
+        ({"video": "."}, "video: .: expected the name of a file, got a folder"),
         ({"weather": "claer"}, "unknown weather 'claer': did you mean 'clear'?"),
-        ({"seed": -1}, "seed: expected a whole number >= 0, got -1"),
-        ({"seed": "3"}, "seed: expected a whole number >= 0, got '3'"),
+        ({"seed": -1}, "seed: expected a whole number of 1 to 18 digits, got -1"),
+        ({"seed": "3"}, "seed: expected a whole number of 1 to 18 digits, got '3'"),
+        ({"seed": True}, "seed: expected a whole number of 1 to 18 digits, got True"),
+        ({"seed": 10**18}, "seed: expected a whole number of 1 to 18 digits, got 1000000000000000000"),
         ({"video": "vidoes/a.mp4"}, "video: vidoes/a.mp4: expected a folder that exists, found no vidoes"),
     ],
 )

@@ -4,13 +4,16 @@ import importlib
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from little_room import limited
 from short_scenario import write_short
 
 import vpf_sim
+from vpf_sim import cli
 from vpf_sim.drivers import RouteDriver
 from vpf_sim.evaluation.sweeps.run_folder import read_manifest
 
@@ -50,7 +53,7 @@ def short(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def sweep(short: Path, driver: Any, **options: Any) -> vpf_sim.Run:
-    return vpf_sim.sweep(short, **{"driver": driver, "seeds": "0:2", "progress": False, **options})
+    return vpf_sim.sweep(**{"scenario": short, "driver": driver, "seeds": "0:2", "progress": False, **options})
 
 
 def test_a_sweep_is_data_frames(short: Path) -> None:
@@ -107,10 +110,52 @@ def test_a_class_of_a_script_is_refused_for_workers(short: Path) -> None:
     done = script(short.parent, "Ahead", "workers=2")
     assert done.returncode == 1
     assert done.stderr.splitlines()[-1] == (
-        "vpf_sim.errors.InputError: driver '__main__:Ahead': other processes cannot import it, so it is driven in this "
-        "one, without workers, timeout, cluster and resume; for these, put its class into a module"
+        "vpf_sim.errors.InputError: workers: driver '__main__:Ahead': other processes cannot make it; "
+        "give a class that a module defines, without a key"
     )
     assert not (short.parent / "runs").exists()
+
+
+def test_a_run_of_a_script_needs_the_script_no_more(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its drivers are found by no command, so none names them."""
+    assert script(short.parent, "Ahead, Ahead(), 'pid'", "out='mine'").returncode == 0
+    (short.parent / "script.py").unlink()
+    Path("mine/summary.json").unlink()
+    for command in ("report", "results", "score"):
+        assert cli.run([command, "mine"]) == 0
+        said = capsys.readouterr()
+        assert "unknown" not in said.out + said.err
+        assert "--driver __main__" not in said.out
+    assert "--driver pid --seeds 0:2" in Path("mine/report.html").read_text("utf-8") + results_of("mine", capsys)
+    assert set(vpf_sim.Run("mine").table["privileged"]) == {"none", "route"}
+
+
+def results_of(run: str, capsys: pytest.CaptureFixture[str]) -> str:
+    assert cli.run(["results", run]) == 0
+    return capsys.readouterr().out
+
+
+class Layers(Speed):
+    """A driver that is iterable, as a network of layers is."""
+
+    def __iter__(self) -> Iterator[int]:
+        return iter((1, 2))
+
+
+def test_an_iterable_driver_is_one_driver(short: Path) -> None:
+    assert set(sweep(short, Layers()).records["driver"]) == {f"{__name__}:Layers()"}
+
+
+def test_python_is_told_how_to_go_on_in_python(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    module = f"{__name__}:Speed"
+    with pytest.raises(OSError, match="parquet"), limited(3000):
+        vpf_sim.sweep(short, driver=module, seeds="0:1", out="mine", workers=1)
+    said = capsys.readouterr().err.splitlines()
+    assert said[-1] == "go on with: vpf_sim.sweep(..., out='mine', resume=True)"
+    assert list(sweep(short, module, seeds="0:1", out="mine", resume=True).records["status"]) == ["success"]
+
+
+OWN = "give a class that a module defines, without a key"
 
 
 @pytest.mark.parametrize(
@@ -121,12 +166,23 @@ def test_a_class_of_a_script_is_refused_for_workers(short: Path) -> None:
         ({"vpf@paper": Speed()}, {}, "driver: 'vpf@paper' is the name of another driver; choose another key"),
         ({"mine:Own": Speed()}, {}, "driver: 'mine:Own' is the name of another driver; choose another key"),
         ({"ours": "vpf"}, {}, "driver: 'ours': expected a class or an instance, got 'vpf'; give names in a list"),
+        ({"a": OwnPid}, {"workers": 2}, f"workers: driver 'a': other processes cannot make it; {OWN}"),
+        ({"a": OwnPid}, {"timeout": 5}, f"timeout: driver 'a': other processes cannot make it; {OWN}"),
+        (Speed(), {"cluster": "a:1"}, f"cluster: driver '{__name__}:Speed()': other processes cannot make it; {OWN}"),
+        ("pid", {"cluster": "nowhere"}, "cluster: expected a Dask scheduler at nowhere, got: no HOST:PORT"),
+        ("pid", {"cluster": "a:1", "workers": 2}, "workers: expected workers or cluster, got both"),
+        ({1: Speed()}, {}, "driver: expected names as keys, got 1"),
+        ("pid", {"cluster": 5}, "cluster: expected an address, got 5"),
+        ("pid", {"scenario": 5}, "scenario: expected a name or a path, got 5"),
+        ("pid", {"weather": ["clear", None]}, "weather: expected a name or a path, got None"),
+        ("pid", {"out": 5}, "out: expected a name or a path, got 5"),
+        ("pid", {"timeout": float("inf")}, "timeout: expected seconds, more than 0 and up to 1000000, got inf"),
         ("pid", {"workers": -1}, "workers: expected a whole number >= 1, got -1"),
         ("pid", {"timeout": "5"}, "timeout: expected seconds > 0, got '5'"),
         ("pid", {"seeds": range(0, 9, 3)}, "seeds: expected 'A:B' or a range of step 1, got range(0, 9, 3)"),
         ("pid", {"seeds": "5:2"}, "sweep: seeds: expected A:B with A below B, got '5:2', which holds no seed"),
         ([], {}, "sweep: driver: expected at least one, got none"),
-        ("pid", {"resume": True}, "--resume: expected the folder of the run in --out, got none"),
+        ("pid", {"resume": True}, "resume: expected the folder of the run in out, got none"),
     ],
 )
 def test_wrong_use_is_one_sentence(driver: Any, options: dict[str, Any], sentence: str, short: Path) -> None:
@@ -155,6 +211,11 @@ def test_a_module_loaded_anew_is_driven_as_it_is_now(short: Path, monkeypatch: p
 
 def test_a_sweep_is_resumed(short: Path) -> None:
     run = sweep(short, "neutral", seeds=range(1), out="mine")
+    refusal = r"^mine: expected an empty or new run folder, choose another out, or resume what is there$"
+    with pytest.raises(vpf_sim.InputError, match=refusal):
+        sweep(short, "neutral", seeds=range(1), out="mine")
+    with pytest.raises(vpf_sim.InputError, match=r"^resume: driver 'a': expected one whose code can be compared"):
+        sweep(short, {"a": Speed()}, seeds=range(1), out="mine", resume=True)
     before = (run.path / "episodes.jsonl").read_bytes()
     again = sweep(short, "neutral", seeds=range(1), out="mine", resume=True)
     assert (again.path / "episodes.jsonl").read_bytes() == before
@@ -169,7 +230,15 @@ def test_a_report_is_a_page_of_the_run(short: Path) -> None:
         assert "Speed" in page.read_text("utf-8")
 
 
+@pytest.mark.parametrize("clips", [-1, "3", None])
+def test_wrong_clips_are_refused(clips: Any) -> None:
+    with pytest.raises(vpf_sim.InputError, match=r"^clips: expected a whole number >= 0, got "):
+        vpf_sim.report("runs/latest", clips=clips)
+
+
 @pytest.mark.usefixtures("short")
 def test_what_is_no_run_is_refused() -> None:
     with pytest.raises(vpf_sim.InputError, match=r"^runs/latest: expected a run folder, got nothing of that name$"):
         vpf_sim.report("runs/latest")
+    with pytest.raises(vpf_sim.InputError, match=r"^run: expected a name or a path, got None$"):
+        vpf_sim.Run(None)  # type: ignore[arg-type]

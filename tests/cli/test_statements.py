@@ -1,9 +1,13 @@
 """Messages of commands on short, empty, failing and mistyped runs."""
 
 import re
+import shlex
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
+from systems import POSIX_ONLY
 
 from vpf_sim.cli import run
 from vpf_sim.cli.tables import measure
@@ -103,7 +107,7 @@ def test_a_mounting_is_described_by_direction() -> None:
 def test_an_invalid_address_is_refused_without_connecting(address: str) -> None:
     pytest.importorskip("distributed", reason="the extra `cluster` is not installed")
     with (
-        pytest.raises(InputError, match=f"^--cluster: expected a Dask scheduler at {re.escape(address)}, got: .+$"),
+        pytest.raises(InputError, match=f"^cluster: expected a Dask scheduler at {re.escape(address)}, got: .+$"),
         cluster.connected(address, {}, False),
     ):
         pass
@@ -120,3 +124,14 @@ def test_the_readmes_commands_use_runs_of_earlier_commands() -> None:
         assert read <= made | written, line
         made |= written or ({"runs/latest"} if command.startswith("vpf-sim sweep") else set())
     assert made
+
+
+@POSIX_ONLY
+@pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-"])
+@pytest.mark.parametrize(("words", "code"), [("drivers list --json", 0), ("drivers show nobody", 2)])
+def test_closed_streams_are_no_fault(closed: str, words: str, code: int, tmp_path: Path) -> None:
+    """As of a program without a terminal."""
+    command = f"{shlex.quote(sys.executable)} -m vpf_sim.cli {words} {closed}"
+    done = subprocess.run(["sh", "-c", command], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == code
+    assert "Traceback" not in done.stderr

@@ -130,6 +130,36 @@ class Crashing:
         return Command(0.0, 0.0)
 
 
+class FailsAtReset(Crashing):
+    def reset(self, setup: DriverSetup) -> None:  # noqa: ARG002
+        raise ZeroDivisionError("not again")
+
+
+class FailsAtTrace(Crashing):
+    def trace(self) -> None:
+        raise ZeroDivisionError("no plan")
+
+
+@pytest.mark.parametrize(
+    ("driver", "remark"),
+    [
+        (FailsAtReset, "without the driver's view: its reset fails: ZeroDivisionError: not again"),
+        (FailsAtTrace, "the driver fails on frame 0: ZeroDivisionError: no plan"),
+    ],
+)
+def test_a_driver_that_fails_only_now_is_one_remark(
+    driver: type, remark: str, monkeypatch: pytest.MonkeyPatch, driven: Path, name: str
+) -> None:
+    stored = open_run(driven)
+    table = stored.steps(name)
+    assert table is not None
+    create = redraw.drivers.create
+    monkeypatch.setattr(redraw.drivers, "create", lambda name: driver() if name == "failing" else create(name))
+    drawn = Redrawing({**stored.record(name), "driver": "failing"}, table, replan=True)
+    assert all(moment.plan is None for moment in drawn.moments())
+    assert drawn.remarks == [remark]
+
+
 def test_a_failed_drivers_episode_is_drawn_to_its_end(monkeypatch: pytest.MonkeyPatch, driven: Path, name: str) -> None:
     scenario = open_run(driven).record(name)["scenario"]
     create = redraw.drivers.create

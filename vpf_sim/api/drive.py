@@ -1,16 +1,16 @@
 """One episode."""
 
-import os
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from operator import index
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, SupportsIndex
 
 from vpf_sim import drivers
-from vpf_sim.api.paths import StrPath, check_output, path_or_none
+from vpf_sim.api.paths import StrPath, output_file, text
 from vpf_sim.drivers import DriverLike
-from vpf_sim.errors import InputError
+from vpf_sim.errors import InputError, option, shown
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.processes.threads import one_thread
 from vpf_sim.evaluation.steps import StepTable
@@ -96,31 +96,34 @@ def driven(
     """
     from vpf_sim.reporting import viewers
 
-    film, log = path_or_none(video), path_or_none(rerun)
-    check_output("video", film)
-    check_output("rerun", log)
-    names, name = (os.fspath(scenario), os.fspath(weather)), _checked_name(driver, seed)
+    film, log = output_file("video", video), output_file("rerun", rerun)
+    names = text("scenario", scenario), text("weather", weather)
+    name, seed = _checked_name(driver), _checked_seed(seed)
     with ExitStack() as stack:
         stack.enter_context(one_thread())
         asked = _manifest(*names, name, seed) if out is not False else None
         attached = stack.enter_context(viewers.attached(film, watch, log))
-        folder = None if asked is None else _open(asked, out)
-        try:
-            result = episode.run(*names, driver, seed, attached.show)
-        except BaseException:  # mostly Ctrl-C
-            if folder is not None:
-                folder.discard()
-            raise
-        if folder is not None:
-            _store(folder, result)
-        yield Episode(result.record, result.steps, result.timing, None if folder is None else folder.path)
+        if asked is None:
+            result, path = episode.run(*names, driver, seed, attached.show), None
+        else:
+            with _stored(asked, out) as folder:
+                result, path = episode.run(*names, driver, seed, attached.show), folder.path
+                _store(folder, result)
+        yield Episode(result.record, result.steps, result.timing, path)
         attached.finish(result.steps)
 
 
-def _checked_name(driver: DriverLike, seed: int) -> str:
+def _checked_seed(seed: int) -> int:
+    """The seed as Python's own number, also of numpy's."""
+    from vpf_sim.evaluation.sweeps.plan import MOST_DIGITS
+
+    if isinstance(seed, bool) or not isinstance(seed, SupportsIndex) or not 0 <= index(seed) < 10**MOST_DIGITS:
+        raise InputError(f"{option('seed')}: expected a whole number of 1 to {MOST_DIGITS} digits, got {shown(seed)}")
+    return index(seed)
+
+
+def _checked_name(driver: DriverLike) -> str:
     """The driver's name, by which it is found in this process."""
-    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
-        raise InputError(f"seed: expected a whole number >= 0, got {seed!r}")
     name = drivers.name_of(driver)
     drivers.admit(name, driver)
     return name
@@ -133,10 +136,20 @@ def _manifest(scenario: str, weather: str, driver: str, seed: int) -> dict[str, 
     return run_folder.manifest("drive", Plan((scenario,), (weather,), (driver,), f"{seed}:{seed + 1}"))
 
 
-def _open(asked: dict[str, Any], out: StrPath | bool) -> "RunFolder":
+@contextmanager
+def _stored(asked: dict[str, Any], out: StrPath | bool) -> "Iterator[RunFolder]":
+    """The run folder; without a complete episode, as after Ctrl-C or on a full disk, nothing is left of it."""
     from vpf_sim.evaluation.sweeps import run_folder
 
-    return run_folder.RunFolder(run_folder.new_path("drive") if isinstance(out, bool) else Path(out), asked)
+    path = run_folder.new_path("drive") if isinstance(out, bool) else Path(text("out", out))
+    is_theirs = not isinstance(out, bool) and path.exists()
+    folder = run_folder.RunFolder(path, asked)
+    try:
+        yield folder
+    except BaseException:
+        folder.discard(keep_folder=is_theirs)
+        raise
+    folder.close()
 
 
 def _store(folder: "RunFolder", result: episode.EpisodeResult) -> None:
@@ -144,4 +157,3 @@ def _store(folder: "RunFolder", result: episode.EpisodeResult) -> None:
 
     steps.write(result.steps, folder.path / "steps" / f"{result.record['id']}.parquet")
     folder.add(result.record, result.timing)
-    folder.close()

@@ -5,10 +5,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from vpf_sim import shell
-from vpf_sim.errors import InputError
+from vpf_sim.errors import InputError, is_on_command_line, option
 
 if TYPE_CHECKING:
     from vpf_sim.evaluation.sweeps.plan import Plan
+
+REMEDY = "give a class that a module defines, without a key"  # its name leads to it
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,28 +27,39 @@ class Execution:
     def check_folder(self) -> None:
         """InputError where there is nothing to resume."""
         if self.resume and self.out is None:
-            raise InputError("--resume: expected the folder of the run in --out, got none")
+            raise InputError(f"{option('resume')}: expected the folder of the run in {option('out')}, got none")
         if self.resume and self.out is not None and not self.out.exists():
-            raise InputError(f"{self.out}: --resume: expected the folder of a run, found nothing")
+            raise InputError(f"{self.out}: {option('resume')}: expected the folder of a run, found nothing")
 
     def check(self, plan: "Plan") -> None:
         """InputError where options contradict each other or the drivers of the plan."""
         self.check_folder()
         if self.workers is not None and (type(self.workers) is not int or self.workers < 1):
-            raise InputError(f"workers: expected a whole number >= 1, got {self.workers!r}")
+            raise InputError(f"{option('workers')}: expected a whole number >= 1, got {self.workers!r}")
         if self.timeout is not None and (type(self.timeout) not in (int, float) or not self.timeout > 0.0):
-            raise InputError(f"timeout: expected seconds > 0, got {self.timeout!r}")
+            raise InputError(f"{option('timeout')}: expected seconds > 0, got {self.timeout!r}")
+        if self.cluster is not None and not isinstance(self.cluster, str):
+            raise InputError(f"{option('cluster')}: expected an address, got {self.cluster!r}")
         if self.cluster is not None and self.workers is not None:
-            raise InputError("--workers: expected --workers or --cluster, got both; the cluster has its own workers")
-        bound = of_this_process(plan)
-        if bound and (self.workers not in (None, 1) or self.timeout or self.cluster or self.resume):
+            both = f"{option('workers')} or {option('cluster')}"
+            raise InputError(f"{option('workers')}: expected {both}, got both; the cluster has its own workers")
+        for name in of_this_process(plan)[:1]:
+            self._check_bound(name)
+
+    def _check_bound(self, driver: str) -> None:
+        """InputError for an option that cannot be met with a driver that only this process has."""
+        if self.resume:
             raise InputError(
-                f"driver '{bound[0]}': other processes cannot import it, so it is driven in this one, without "
-                "workers, timeout, cluster and resume; for these, put its class into a module"
+                f"resume: driver '{driver}': expected one whose code can be compared with that of the run; {REMEDY}"
             )
+        asked = {"workers": self.workers not in (None, 1), "timeout": self.timeout, "cluster": self.cluster}
+        for what in (name for name, value in asked.items() if value):
+            raise InputError(f"{what}: driver '{driver}': other processes cannot make it; {REMEDY}")
 
     def resume_command(self, command: str, folder: Path) -> str:
-        """The shell command that continues the run."""
+        """How to continue the run: a shell command, or the parameters of `vpf_sim.sweep`."""
+        if not is_on_command_line():
+            return f"vpf_sim.sweep(..., out={str(folder)!r}, resume=True)"
         return shell.command(
             command,
             out=folder,

@@ -61,5 +61,5 @@ def _summarize(folder: "RunFolder", jobs: "list[Job]") -> None:
     from vpf_sim.evaluation.analysis.summary import summarize
 
     records = folder.records()
-    folder.write_json("summary.json", with_paper(summarize(jobs, records)))
+    folder.write_json("summary.json", with_paper(summarize(jobs, records, folder.asked)))
     invalid_frames.warn(records)

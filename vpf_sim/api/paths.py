@@ -5,29 +5,34 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TypeAlias
 
-from vpf_sim.errors import InputError
+from vpf_sim.errors import InputError, option, shown
 
 StrPath: TypeAlias = str | os.PathLike[str]
 
 
-def texts(given: StrPath | Iterable[StrPath]) -> list[str]:
+def text(what: str, given: StrPath) -> str:
+    """A name or path as text; InputError for anything else."""
+    if not isinstance(given, str | os.PathLike):
+        raise InputError(f"{option(what)}: expected a name or a path, got {shown(given)}")
+    return os.fspath(given)
+
+
+def texts(what: str, given: StrPath | Iterable[StrPath]) -> list[str]:
     """One name or path, or several, as a list of texts."""
-    return [os.fspath(given)] if isinstance(given, str | os.PathLike) else [os.fspath(one) for one in given]
+    several = given if isinstance(given, Iterable) and not isinstance(given, str) else [given]
+    return [text(what, one) for one in several]
 
 
-def path_or_none(given: StrPath | None) -> Path | None:
-    """The path, if there is one."""
-    return None if given is None else Path(given)
-
-
-def check_output(what: str, path: Path | None) -> None:
-    """InputError for an output file that cannot be written, raised before a long computation.
+def output_file(what: str, given: StrPath | None) -> Path | None:
+    """The path of an output file, if there is one; InputError, before a long computation, if it cannot be written.
 
     Its folder must exist, since a mistyped folder would be hard to find.
     """
-    if path is None:
-        return
+    if given is None:
+        return None
+    path, where = Path(text(what, given)), option(what)
     if path.is_dir():
-        raise InputError(f"{what}: {path}: expected the name of a file, got a folder")
+        raise InputError(f"{where}: {path}: expected the name of a file, got a folder")
     if not path.parent.is_dir():
-        raise InputError(f"{what}: {path}: expected a folder that exists, found no {path.parent}")
+        raise InputError(f"{where}: {path}: expected a folder that exists, found no {path.parent}")
+    return path

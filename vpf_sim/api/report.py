@@ -1,10 +1,10 @@
 """A run as one HTML page."""
 
 import sys
-from pathlib import Path
 
-from vpf_sim.api.paths import StrPath, check_output, path_or_none
+from vpf_sim.api.paths import StrPath, output_file
 from vpf_sim.api.run import Run
+from vpf_sim.errors import InputError, option, shown
 from vpf_sim.evaluation.processes.threads import one_thread
 from vpf_sim.files import write_text
 
@@ -23,11 +23,12 @@ def report(run: Run | StrPath, *, out: StrPath | None = None, clips: int = CLIPS
     from vpf_sim.reporting import page
     from vpf_sim.reporting.stored_run import open_run
 
-    file = path_or_none(out)
-    check_output("out", file)
+    if type(clips) is not int or clips < 0:
+        raise InputError(f"{option('clips')}: expected a whole number >= 0, got {shown(clips)}")
+    file = output_file("out", out)
     found = run if isinstance(run, Run) else Run(run)
     with one_thread():
         html = page.make(open_run(found.path), clips, lambda line: print(line, file=sys.stderr, flush=True))
     file = file or found.path / "report.html"
     write_text(file, html)
-    return Run(found.path, Path(file))
+    return Run(found.path, file)

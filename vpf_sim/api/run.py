@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vpf_sim.api.paths import StrPath
+from vpf_sim.api.paths import StrPath, text
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.sweeps.run_folder import located, stored_plan
 from vpf_sim.reporting.stored_run import open_run
@@ -27,7 +27,7 @@ class Run:
     """
 
     def __init__(self, path: StrPath, page: Path | None = None) -> None:
-        self.path = located(Path(path))
+        self.path = located(Path(text("run", path)))
         self.page = page  # the report, if `vpf_sim.report` wrote it
         self._stored = open_run(self.path)
 

@@ -7,10 +7,10 @@ from typing import Any, TypeAlias
 from vpf_sim import drivers
 from vpf_sim.api.execution import Execution
 from vpf_sim.api.filling import fill
-from vpf_sim.api.paths import StrPath, texts
+from vpf_sim.api.paths import StrPath, text, texts
 from vpf_sim.api.run import Run
 from vpf_sim.drivers import DriverLike
-from vpf_sim.errors import InputError
+from vpf_sim.errors import InputError, shown
 from vpf_sim.evaluation.sweeps import run_folder
 from vpf_sim.evaluation.sweeps.plan import make_plan
 
@@ -25,8 +25,10 @@ def sweep(
     seeds: str | range = "0:5",
     workers: int | None = None,
     timeout: float | None = None,
+    cluster: str | None = None,
     out: StrPath | None = None,
     resume: bool = False,
+    mixed: bool = False,
     progress: bool = True,
 ) -> Run:
     """Drive every scenario in every weather with every driver and seed, and store them in a run folder.
@@ -38,24 +40,27 @@ def sweep(
     instances of one class: `driver={"slow": MyDriver(4.0), "fast": MyDriver(8.0)}`. Seeds are "A:B", without B, or a
     range. Worker processes drive side by side, by default one per core. They cannot import instances, nor classes of a
     notebook or script: with any of these, all episodes are driven in this process, one after another. `timeout` is the
-    time limit of an episode in s, by default from its scenario. `out` is the run folder, by default a new one under
-    runs/; with `resume` it is continued. `progress` prints a line for each episode on stderr, or a bar on a terminal.
+    time limit of an episode in s, by default from its scenario. `cluster` is the address of a Dask scheduler, whose
+    workers drive instead. `out` is the run folder, by default a new one under runs/; with `resume` it is continued,
+    with `mixed` also by another version or machine. `progress` prints a line for each episode on stderr, or a bar on a
+    terminal.
     Raises InputError for an unknown name, an unusable file or a class that is no driver.
     """
     table = {
-        "scenario": texts(scenario),
-        "weather": texts(weather),
+        "scenario": texts("scenario", scenario),
+        "weather": texts("weather", weather),
         "driver": _names(driver),
         "seeds": seeds if isinstance(seeds, str) else _span(seeds),
     }
-    folder = None if out is None else run_folder.located(Path(out))
-    how = Execution(workers, timeout, out=folder, resume=resume)
+    folder = None if out is None else run_folder.located(Path(text("out", out)))
+    how = Execution(workers, timeout, cluster, folder, resume, mixed)
     return Run(fill("sweep", make_plan(table, "sweep"), how, progress))
 
 
 def _names(given: Drivers) -> list[str]:
     """The names of drivers; those that no name leads to are kept for this process."""
-    several: Any = given if isinstance(given, Iterable) and not isinstance(given, str | type) else [given]
+    is_one = isinstance(given, str | type) or hasattr(given, "act") or not isinstance(given, Iterable)
+    several: Any = [given] if is_one else given
     named = [*several.items()] if isinstance(several, Mapping) else [(drivers.name_of(one), one) for one in several]
     known: dict[str, DriverLike] = {}
     for name, one in named:
@@ -68,8 +73,10 @@ def _names(given: Drivers) -> list[str]:
     return list(known)
 
 
-def _check_key(key: str, driver: DriverLike) -> None:
+def _check_key(key: object, driver: DriverLike) -> None:
     """InputError for a key of a mapping that means another driver, or whose driver has a name already."""
+    if not isinstance(key, str):
+        raise InputError(f"driver: expected names as keys, got {shown(key)}")
     if key in drivers.names() or ":" in key or key.startswith(drivers.VARIANT_PREFIX):
         raise InputError(f"driver: '{key}' is the name of another driver; choose another key")
     if isinstance(driver, str):

@@ -2,7 +2,7 @@
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Annotated, Any
 
 import typer
@@ -30,7 +30,8 @@ from vpf_sim.cli import (
     video,
     weathers,
 )
-from vpf_sim.errors import InputError
+from vpf_sim.cli.help import Command
+from vpf_sim.errors import InputError, on_command_line
 from vpf_sim.evaluation.processes import threads
 
 SIMULATING = (
@@ -75,22 +76,26 @@ def options(
     """The options of the program itself, beside those of its commands."""
 
 
-app.command("drive")(drive.drive)
-app.command("sweep")(sweep.sweep)
-app.command("benchmark")(benchmark.benchmark)
-app.command("ablate")(ablate.ablate)
-app.command("readings")(readings.readings)
-app.command("replay")(replay.replay)
-app.command("score")(score.score)
-app.command("report")(report.report)
-app.command("results")(results_page.results)
-app.command("reproduce")(reproduce.reproduce)
-app.command("video")(video.video)
-app.command("check")(check.check)
-app.command("perception")(perception.perception)
-app.command("profile")(profile.profile)
-app.command("gallery")(gallery.gallery)
-app.command("doctor")(doctor.doctor)
+COMMANDS: tuple[Callable[..., None], ...] = (
+    drive.drive,
+    sweep.sweep,
+    benchmark.benchmark,
+    ablate.ablate,
+    readings.readings,
+    replay.replay,
+    score.score,
+    report.report,
+    results_page.results,
+    reproduce.reproduce,
+    video.video,
+    check.check,
+    perception.perception,
+    profile.profile,
+    gallery.gallery,
+    doctor.doctor,
+)
+for one in COMMANDS:
+    app.command(one.__name__, cls=Command)(one)
 app.add_typer(scenarios.app, name="scenarios")
 app.add_typer(weathers.app, name="weathers")
 app.add_typer(drivers.app, name="drivers")
@@ -118,7 +123,8 @@ def run(arguments: Sequence[str]) -> int:
         if not argument.isascii() and argument != argument.encode("utf-8", "replace").decode():
             return _refuse(f"expected names in UTF-8, got {argument!a}; rename the file or folder")
     try:
-        code = app(list(arguments), prog_name="vpf-sim", standalone_mode=False)
+        with on_command_line():
+            code = app(list(arguments), prog_name="vpf-sim", standalone_mode=False)
     except InputError as error:
         return _refuse(str(error))
     except OSError as error:

@@ -35,6 +35,7 @@ ChainOption = Annotated[
     ChainName,
     typer.Option(
         "--chain",
+        metavar="CHAIN",
         help="robust: from vpf@full-frame to vpf; paper: from vpf-literal to vpf-paper; "
         "without: vpf-paper without one of its repairs; mechanisms: vpf without one of its mechanisms.",
     ),

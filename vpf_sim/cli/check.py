@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vpf_sim.api.paths import check_output
+from vpf_sim.api.paths import output_file
 from vpf_sim.cli.options import JsonOption, RunArgument, print_json
 from vpf_sim.cli.tables import print_table
 
@@ -26,7 +26,7 @@ def check(run: RunArgument, rules: RulesOption, junit: JunitOption = None, json:
     from vpf_sim.evaluation.gate.rules import read_rules
     from vpf_sim.reporting.junit import write_junit
 
-    check_output("--junit", junit)
+    junit = output_file("junit", junit)
     checks = gate.check(read_run(run), read_rules(rules), rules)
     if junit is not None:
         write_junit(checks, junit)
@@ -49,8 +49,10 @@ def _print(checks: list["Check"], failed: list["Check"]) -> None:
     print_table(header, [(WORDS[one.outcome], *one.cell, one.expected, one.actual) for one in checks], words=6)
     for one in failed:
         print(f"\nFAIL {', '.join(one.cell)}: expected {one.expected}, got {one.actual}")
-        print(f"  again: {one.first(MOST_SEEDS).rerun}")
-        if len(one.seeds) > MOST_SEEDS:
+        rerun = one.first(MOST_SEEDS).rerun
+        if rerun:
+            print(f"  again: {rerun}")
+        if rerun and len(one.seeds) > MOST_SEEDS:
             print(f"  the {MOST_SEEDS} worst of {len(one.seeds)} seeds; --json has all")
     counts: Counter[str] = Counter(one.outcome for one in checks)
     print("\n" + ", ".join(f"{counts[outcome]} {outcome}" for outcome in WORDS))

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vpf_sim.api.paths import check_output
 from vpf_sim.cli.options import (
     DriverOption,
     JsonOption,
-    OutOption,
+    NewOutOption,
     ScenarioArgument,
     WeatherOption,
     print_json,
@@ -40,15 +39,13 @@ def drive(
     video: VideoOption = None,
     watch: WatchOption = False,
     rerun: RerunOption = None,
-    out: OutOption = None,
+    out: NewOutOption = None,
     json: JsonOption = False,
 ) -> None:
     """Drive one episode; exit code 1 if it does not succeed."""
     from vpf_sim.api import invalid_frames
     from vpf_sim.api.drive import driven
 
-    check_output("--video", video)
-    check_output("--rerun", rerun)
     answer = sys.stdout
     with (
         prints_on_stderr(),

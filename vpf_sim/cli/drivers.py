@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+from vpf_sim.cli.help import Command
 from vpf_sim.cli.options import DRIVER, JsonOption, SameJsonOption, print_json, print_validity, prints_on_stderr
 from vpf_sim.cli.tables import print_table
 
@@ -16,7 +17,7 @@ GETS = {
 }
 
 
-@app.command("list")
+@app.command("list", cls=Command)
 def list_drivers(json: JsonOption = False) -> None:
     """List the drivers and what each gets beyond its camera."""
     from vpf_sim import drivers
@@ -29,7 +30,7 @@ def list_drivers(json: JsonOption = False) -> None:
     print_table(("driver", "privileged", ""), [(one.name, one.privileged, one.summary) for one in described], words=3)
 
 
-@app.command()
+@app.command(cls=Command)
 def show(name: DriverArgument, json: SameJsonOption = False) -> None:  # noqa: ARG001
     """Show what a driver is and gets, as JSON."""
     from vpf_sim import drivers
@@ -48,7 +49,7 @@ def show(name: DriverArgument, json: SameJsonOption = False) -> None:  # noqa: A
     )
 
 
-@app.command()
+@app.command(cls=Command)
 def validate(driver: DriverArgument, json: JsonOption = False) -> None:
     """Check your driver on a short drive; exit code 2 if it fails.
 

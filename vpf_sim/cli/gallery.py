@@ -35,6 +35,7 @@ def gallery(
 
     loaded = list(dict.fromkeys(weathers.load(name) for name in weather or weathers.PRESETS))
     folder = out or run_folder.new_path("gallery")
+    run_folder.check_name(folder)
     with _progress(len(loaded)) as notify:
         page = pictures.make(folder, loaded, workers or default_workers(), notify)
     if json:

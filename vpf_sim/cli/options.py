@@ -63,9 +63,11 @@ RunArgument = Annotated[
 RunsArgument = Annotated[
     list[Path], typer.Argument(metavar="RUN", help="Run folders; runs/latest is the newest.", callback=located)
 ]
+NEW_FOLDER = "Run folder; by default a new one under runs/."
+NewOutOption = Annotated[Path | None, typer.Option("--out", metavar="DIR", help=NEW_FOLDER)]
 OutOption = Annotated[
     Path | None,
-    typer.Option("--out", metavar="DIR", help="Run folder; by default a new one under runs/.", callback=located),
+    typer.Option("--out", metavar="DIR", help=NEW_FOLDER, callback=located),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print only one JSON object.")]
 SameJsonOption = Annotated[bool, typer.Option("--json", help="No effect: the output is always JSON.")]

@@ -5,7 +5,6 @@ from typing import Annotated
 
 import typer
 
-from vpf_sim.api.paths import check_output
 from vpf_sim.cli.options import JsonOption, RunArgument, print_json, prints_on_stderr
 
 FileOption = Annotated[
@@ -24,7 +23,6 @@ def report(run: RunArgument, out: FileOption = None, clips: ClipsOption = 4, jso
     """
     from vpf_sim.api.report import report as write
 
-    check_output("--out", out)
     with prints_on_stderr():
         written = write(run, out=out, clips=clips)
     if json:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from vpf_sim.api.paths import check_output
+from vpf_sim.api.paths import output_file
 from vpf_sim.cli.options import RunsArgument
 from vpf_sim.files import write_text
 
@@ -21,7 +21,7 @@ def results(runs: RunsArgument, out: FileOption = None) -> None:
     """
     from vpf_sim.reporting.results_page import make
 
-    check_output("--out", out)
+    out = output_file("out", out)
     page = make(runs)
     if out is None:
         print(page, end="")

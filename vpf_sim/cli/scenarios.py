@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from vpf_sim.cli.help import Command
 from vpf_sim.cli.options import (
     FileArgument,
     JsonOption,
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 app = typer.Typer(help="List and show scenarios; check your own.", no_args_is_help=True, rich_markup_mode=None)
 
 
-@app.command("list")
+@app.command("list", cls=Command)
 def list_scenarios(json: JsonOption = False) -> None:
     """List the scenarios of the catalog and what each is."""
     from vpf_sim import scenarios
@@ -46,7 +47,7 @@ def _row(name: str, one: "Scenario | None") -> dict[str, object]:
     return {"name": name, **sizes, "summary": scenarios.summary(name)}
 
 
-@app.command()
+@app.command(cls=Command)
 def show(
     name: ScenarioArgument,
     seed: Annotated[
@@ -62,7 +63,7 @@ def show(
     print_json(shown.model_dump(mode="json", by_alias=True))
 
 
-@app.command()
+@app.command(cls=Command)
 def validate(file: FileArgument, json: JsonOption = False) -> None:
     """Check a scenario file; exit code 2 with a line per fault."""
     from vpf_sim import scenarios

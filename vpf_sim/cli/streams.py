@@ -21,16 +21,21 @@ def reserve_stdout() -> None:
 
     Characters that the encoding lacks are written as escapes.
     """
+    for name in ("stdout", "stderr"):
+        if (
+            getattr(sys, name) is None
+        ):  # closed by the parent process; else the next file that is opened would take its place
+            setattr(sys, name, _text_stream(os.open(os.devnull, os.O_WRONLY), None))
     try:
         answer = os.dup(1)
         os.dup2(2, 1)
-    except OSError:  # closed by the parent process
+    except OSError:
         return
     sys.stdout = _text_stream(answer, sys.stdout)
     sys.stderr = _text_stream(os.dup(2), sys.stderr)
 
 
-def _text_stream(descriptor: int, like: TextIO) -> TextIO:
+def _text_stream(descriptor: int, like: TextIO | None) -> TextIO:
     """A text stream on a descriptor, line-buffered on a terminal and for stderr."""
     os.set_inheritable(descriptor, False)
     file = _PipeTolerantFile(descriptor, "w")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vpf_sim.api.paths import check_output
+from vpf_sim.api.paths import output_file
 from vpf_sim.cli.options import JsonOption, RunArgument, print_json, prints_on_stderr
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def video(
     from vpf_sim.reporting.video import require
 
     require("video")
-    check_output("--out", out)
+    out = output_file("out", out)
     limit_opencv()
     path = out or run / "videos" / f"{id}.mp4"
     with prints_on_stderr():

@@ -4,6 +4,7 @@ from typing import Annotated, Any
 
 import typer
 
+from vpf_sim.cli.help import Command
 from vpf_sim.cli.options import WEATHER, FileArgument, JsonOption, SameJsonOption, print_json, print_validity
 from vpf_sim.cli.tables import print_table
 
@@ -11,7 +12,7 @@ app = typer.Typer(help="List and show weathers; check your own.", no_args_is_hel
 WeatherArgument = Annotated[str, typer.Argument(help="Name or file of a weather.", **WEATHER)]
 
 
-@app.command("list")
+@app.command("list", cls=Command)
 def list_weathers(json: JsonOption = False) -> None:
     """List the presets with their aliases and meaning."""
     from vpf_sim.envs.camera import weather
@@ -24,7 +25,7 @@ def list_weathers(json: JsonOption = False) -> None:
     print_table(("weather", "alias", ""), [(w.name, ", ".join(aliases(w)), in_words(w)) for w in loaded], words=3)
 
 
-@app.command()
+@app.command(cls=Command)
 def show(name: WeatherArgument, json: SameJsonOption = False) -> None:  # noqa: ARG001
     """Show a weather's factors and their meaning as JSON."""
     from vpf_sim.envs.camera import weather
@@ -35,7 +36,7 @@ def show(name: WeatherArgument, json: SameJsonOption = False) -> None:  # noqa: 
     print_json({**loaded.model_dump(mode="json"), **meaning})
 
 
-@app.command()
+@app.command(cls=Command)
 def validate(file: FileArgument, json: JsonOption = False) -> None:
     """Check a weather file; exit code 2 with a line per fault."""
     from vpf_sim.envs.camera import weather

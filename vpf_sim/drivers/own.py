@@ -62,7 +62,8 @@ def is_kept(name: str) -> bool:
 def is_importable(driver: DriverLike) -> bool:
     """Whether other processes find the driver by its name: not an instance, nor a class of a notebook or script."""
     if isinstance(driver, str):
-        return not is_kept(driver) and not driver.startswith("__main__:")
+        is_own_here = driver.startswith("__main__:") or driver.endswith("()") or "<locals>" in driver
+        return not is_own_here and not is_kept(driver)
     if not isinstance(driver, type):
         return False
     module = sys.modules.get(driver.__module__)
@@ -71,11 +72,12 @@ def is_importable(driver: DriverLike) -> bool:
 
 def make(driver: object, name: str) -> Driver:
     """The driver of a class or instance, checked against the protocol; InputError where it is none."""
-    driver = process_state.unwrapped(driver)
-    missing = [part for part in PARTS if not hasattr(driver, part)]
+    own = process_state.unwrapped(driver)
+    own = _instance(own, name) if isinstance(own, type) else own
+    missing = [part for part in PARTS if not hasattr(own, part)]
     if missing:
         raise InputError(f"driver '{name}': expected privileged, reset and act; missing: {', '.join(missing)}")
-    made = cast(Driver, process_state.Isolated(_instance(driver, name) if isinstance(driver, type) else driver))
+    made = cast(Driver, process_state.Isolated(own))
     if made.privileged not in get_args(Privilege):
         raise InputError(f"driver '{name}': privileged: expected none, route or world, got {made.privileged!r}")
     return made

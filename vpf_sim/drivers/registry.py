@@ -76,6 +76,12 @@ def description(name: str) -> Description:
     return Description(name, driver.privileged, _summary(name, driver))
 
 
+def has_name(driver: str) -> bool:
+    """Whether a name leads to a driver in any process: not of instances, nor of classes of a notebook or script."""
+    is_class = ":" in driver and own.is_importable(driver)
+    return driver in _REGISTRY or driver.startswith(VARIANT_PREFIX) or is_class
+
+
 def create(driver: own.DriverLike) -> Driver:
     """A new driver: a registered name, "vpf@VARIANT" (its name or file), or a user's own.
 

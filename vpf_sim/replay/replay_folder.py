@@ -1,14 +1,15 @@
 """A replay's folder: manifest, records, timing, frame tables, videos and summary."""
 
 import json
+from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Any
 
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
-from vpf_sim.evaluation.sweeps.folder_lock import locked
+from vpf_sim.evaluation.sweeps.folder_lock import LOCK, locked
 from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
-from vpf_sim.evaluation.sweeps.run_folder import change, write_json
+from vpf_sim.evaluation.sweeps.run_folder import change, check_name, write_json
 from vpf_sim.replay import inputs
 from vpf_sim.replay.real_table import DIFFERENCES, rows
 
@@ -39,15 +40,21 @@ class ReplayFolder:
         }
         new = not resume or not (path / MANIFEST).exists()
         if new:
-            self._make()
+            self._check_new()
+            path.mkdir(parents=True, exist_ok=True)
         elif self._continue(requested, mixed):
             self._digest = digest(requested["fingerprint"])
-        self._lock = locked(path)
-        self._records = JsonLines(path / RECORDS)
-        self._timing = JsonLines(path / TIMING)
-        if new:
-            self._write_json(MANIFEST, requested)
-        self.done = {record["name"] for record in self.records()}
+        with ExitStack() as opened:
+            self._lock = locked(path)
+            opened.callback(self._lock.release)
+            if new:
+                self._check_new()  # another replay may have begun in it until now
+            self._records = opened.enter_context(closing(JsonLines(path / RECORDS)))
+            self._timing = opened.enter_context(closing(JsonLines(path / TIMING)))
+            if new:
+                self._write_json(MANIFEST, requested)
+            self.done = {record["name"] for record in self.records()}
+            opened.pop_all()
 
     def add(self, record: dict[str, Any], timing: dict[str, Any]) -> None:
         """Store a finished drive, unless it has a record already."""
@@ -76,15 +83,15 @@ class ReplayFolder:
         self._timing.close()
         self._lock.release()
 
-    def _make(self) -> None:
+    def _check_new(self) -> None:
+        check_name(self.path)
         if self.path.exists() and not self.path.is_dir():
             raise InputError(f"{self.path}: expected a folder, got a file")
-        if self.path.exists() and any(self.path.iterdir()):
+        if self.path.exists() and any(file.name != LOCK for file in self.path.iterdir()):
             remedy = (
                 "choose another, or --resume what is there" if (self.path / MANIFEST).exists() else "got other files"
             )
             raise InputError(f"{self.path}: expected an empty or new folder for --out, {remedy}")
-        self.path.mkdir(parents=True, exist_ok=True)
 
     def _continue(self, requested: dict[str, Any], mixed: bool) -> bool:
         """Check that the plan is the same; True if the fingerprint differs, which needs `mixed`."""

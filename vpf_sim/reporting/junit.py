@@ -35,7 +35,8 @@ def _add(suite: Xml.Element, check: Check) -> None:
     if check.outcome == "failed":
         message = f"expected {check.expected}, got {check.actual}"
         failure = Xml.SubElement(case, "failure", {"message": _text(message), "type": "rule"})
-        failure.text = _text(f"{message}\n{', '.join(check.cell)}\nagain: {check.rerun}")
+        again = f"\nagain: {check.rerun}" if check.rerun else ""
+        failure.text = _text(f"{message}\n{', '.join(check.cell)}{again}")
 
 
 def _count(checks: Sequence[Check], outcome: str) -> int:

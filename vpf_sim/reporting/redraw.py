@@ -96,19 +96,21 @@ class _Replanner:
         self._table = table
         self._driver: Driver | None = None
         try:
-            self._driver = drivers.create(name)
+            driver = drivers.create(name)
+            driver.reset(setup_for(driver, world, seed))
+            self._driver = driver
         except InputError as error:  # a class of a notebook, or of a module that has moved
             self.remarks.append(f"without the driver's view: {error}")
-        else:
-            self._driver.reset(setup_for(self._driver, world, seed))
+        except (Exception, SystemExit) as error:  # raised by the driver
+            self.remarks.append(f"without the driver's view: its reset fails: {type(error).__name__}: {error}")
 
     def plan(self, index: int, observation: Observation) -> Plan | None:
         """The plan for a frame; None if the driver has none, failed, or gave no command in the run."""
         if self._driver is None or not isfinite(self._table.throttle[index]):
             return None
         try:
-            command = drivers.command_of(self._driver, observation)
-        except Exception as error:  # raised by the driver
+            command, plan = drivers.command_of(self._driver, observation), drivers.trace_of(self._driver)
+        except (Exception, SystemExit) as error:  # raised by the driver
             self.remarks.append(f"the driver fails on frame {index}: {type(error).__name__}: {error}")
             self._driver = None
             return None
@@ -116,7 +118,7 @@ class _Replanner:
             float(self._table.throttle[index]), float(self._table.steering[index])
         ):
             self.remarks.append(f"from frame {index} on the driver's commands differ from the run")
-        return drivers.trace_of(self._driver)
+        return plan
 
 
 def redrawing(run: StoredRun, episode_id: str, replan: bool) -> Redrawing:

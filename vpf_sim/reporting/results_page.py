@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import vpf_sim
+from vpf_sim import drivers
 from vpf_sim.evaluation.sweeps.fingerprint import source
 from vpf_sim.evaluation.sweeps.plan import Plan, parse_seeds
 from vpf_sim.reporting.cells import MAIN, NONE, Column, Row, cell, driver_row, shown
@@ -85,17 +86,22 @@ def _runs(subjects: Sequence[RunData]) -> Iterator[str]:
         driven = f"{len(subject.records)} of {len(subject.jobs)}"
         used = [_seeds(subject.plan), _purpose(subject.plan), driven]
         yield _line([*used, str(made.get("vpf_sim", NONE)), sources[:12], _commit(sources)])
-    yield from ("", "```sh", *dict.fromkeys(_commands(subjects)), "```")
+    commands = dict.fromkeys(_commands(subjects))
+    yield from ("", "```sh", *commands, "```") if commands else ()
 
 
 def _commands(subjects: Iterable[RunData]) -> Iterator[str]:
-    """The commands that drive the same again; single drives have none, but a sweep file."""
+    """The commands that drive the same again.
+
+    Single drives have none, but a sweep file; nor have drivers of a notebook or script.
+    """
     for subject in subjects:
         plan, is_benchmark = subject.plan, subject.command == "benchmark"
-        if plan.drives:
+        named = [name for name in plan.driver if drivers.has_name(name)]
+        if plan.drives or not named:
             continue
         grid = () if is_benchmark else (("--scenario", plan.scenario), ("--weather", plan.weather))
-        options = (*grid, ("--driver", plan.driver), ("--seeds", (plan.seeds,)))
+        options = (*grid, ("--driver", named), ("--seeds", (plan.seeds,)))
         words = [word for option, values in options for value in values for word in (option, value)]
         yield shlex.join(["vpf-sim", "benchmark" if is_benchmark else "sweep", *words])
 

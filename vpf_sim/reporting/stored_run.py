@@ -56,7 +56,7 @@ class StoredRun:
         """The stored summary, or a new one of the finished episodes if the run was interrupted."""
         path = self.path / SUMMARY
         if not path.exists():
-            return with_paper(summarize(jobs, self.records.values()))
+            return with_paper(summarize(jobs, self.records.values(), self.manifest))
         try:
             summary = json.loads(path.read_text("utf-8"))
         except ValueError:

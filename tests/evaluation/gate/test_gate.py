@@ -140,3 +140,10 @@ def test_a_rule_without_a_cell_is_an_error(rule: str, sentence: str, tmp_path: P
     with pytest.raises(InputError) as caught:
         checks(tmp_path, f"[[rules]]\n{rule}\ncollisions_at_most = 0")
     assert str(caught.value) == f"{tmp_path / 'rules.toml'}: " + sentence.format(run=tmp_path / "run")
+
+
+@pytest.mark.parametrize("driver", ["slow", "__main__:Mine", "my_module:Mine()", "my_module:make.<locals>.Mine"])
+def test_a_driver_without_a_name_of_its_own_has_no_command(driver: str) -> None:
+    """One of a notebook or script, or an instance."""
+    assert Check(Cell("town04", "clear", driver), "", "", "failed", (3,)).rerun is None
+    assert Check(Cell("town04", "clear", "my_module:Mine"), "", "", "failed", (3,)).rerun is not None

@@ -4,8 +4,11 @@ import importlib
 import os
 import signal
 import time
+from collections.abc import Callable
 from functools import partial
+from multiprocessing.process import BaseProcess
 from pathlib import Path
+from typing import Any
 
 import pytest
 from systems import POSIX_ONLY
@@ -164,6 +167,30 @@ def test_no_logs_of_workers_are_left(tmp_path: Path, monkeypatch: pytest.MonkeyP
     next(started)
     started.close()
     assert list(logs.iterdir()) == []
+
+
+class Interrupted:
+    """A context in which Python starts one process, and is interrupted at the second."""
+
+    def __init__(self, start: Callable[..., BaseProcess]) -> None:
+        self._start, self.started = start, list[BaseProcess]()
+
+    def __call__(self, **options: Any) -> BaseProcess:
+        if self.started:
+            raise KeyboardInterrupt
+        self.started.append(self._start(**options))
+        return self.started[0]
+
+
+def test_an_interrupted_start_leaves_no_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    process = Interrupted(pool.SPAWN.Process)
+    monkeypatch.setattr(pool.SPAWN, "Process", process)
+    with pytest.raises(KeyboardInterrupt) as caught:
+        next(pool.run(square, range(6), workers=2, limit_s=minute))
+    assert [one.is_alive() for one in process.started] == [False]
+    assert list(tmp_path.iterdir()) == [], "logs"
+    assert caught.value.__traceback__ is not None, "whose frames keep the workers, as in a notebook"
 
 
 def test_no_tasks_need_no_workers() -> None:

@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
+from recorded_layouts import general
 from stored import record, store
 
 from vpf_sim import cli
@@ -65,10 +66,21 @@ def test_without_a_run_it_is_refused(
         assert capsys.readouterr().err == ("vpf-sim: runs/latest: expected a run folder, got nothing of that name\n")
 
 
+@pytest.mark.parametrize("others", [False, True])
+@pytest.mark.parametrize(
+    "command", [["drive", "straight", "--driver", "neutral"], ["gallery", "--weather", "clear"], ["replay", "cam"]]
+)
 def test_it_is_no_name_for_a_new_run(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    command: list[str],
+    others: bool,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert cli.run(["drive", "straight", "--driver", "neutral", "--out", "runs/latest"]) == 2
+    general(tmp_path / "cam")
+    if others and command[0] != "replay":  # whose --resume may name it
+        run(tmp_path / "runs" / "mine", 100)
+    assert cli.run([*command, "--out", "runs/latest"]) == 2
     assert "runs/latest: expected another name" in capsys.readouterr().err
-    assert not (tmp_path / "runs").exists()
+    assert not (tmp_path / "runs" / "latest").exists()

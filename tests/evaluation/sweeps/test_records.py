@@ -152,7 +152,7 @@ def test_a_line_without_a_record_is_reported(tmp_path: Path) -> None:
 
 def test_a_folder_with_records_needs_resume(tmp_path: Path) -> None:
     RunFolder(tmp_path / "run", ASKED).close()
-    with pytest.raises(InputError, match="expected an empty or new run folder, choose another --out, or --resume"):
+    with pytest.raises(InputError, match="expected an empty or new run folder, choose another out, or resume"):
         RunFolder(tmp_path / "run", ASKED)
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "thesis.tex").write_text("")

@@ -57,7 +57,7 @@ def rescore(path: Path) -> Rescored:
         kept = [{**new, **mark} if new["id"] in changed else new for new in again]
         if changed:
             folder.replace_records(kept)
-        summary = with_paper(summarize(jobs.values(), kept))
+        summary = with_paper(summarize(jobs.values(), kept, manifest))
         if len(kept) == len(jobs):
             folder.write_json(SUMMARY, summary)
     return Rescored(kept, changed, len(jobs), str(manifest.get("command")), plan.seeds, summary)
@@ -95,7 +95,7 @@ def _read_steps(path: Path, states_sha256: str) -> StepTable:
 
 def _check_scenarios(path: Path, manifest: dict[str, Any], plan: Plan) -> None:
     """InputError where a scenario changed since the run, and with it its route."""
-    for name, found in plan.check()["scenarios"].items():
+    for name, found in plan.scenario_hashes().items():
         stored = (manifest.get("scenarios") or {}).get(name)
         if stored != found:
             raise InputError(f"{path / MANIFEST}: scenario {name} changed since the run: was {stored}, is {found}")

@@ -5,7 +5,7 @@ Means are over successful episodes; those of the others are separate, with their
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from statistics import fmean
 from typing import Any
 
@@ -27,29 +27,39 @@ MEANS = (
     "perception",
 )
 OF_ALL = ("route_completion", "driving_score_2_0", "driving_score_2_1")
+NO_MANIFEST: Mapping[str, Any] = {}
 WIDTHS = {"success_rate": 0.1, "path_mse_m2": 0.1}  # of the intervals whose required seeds are computed
 
 
-def summarize(jobs: Iterable[Job], records: Iterable[Record]) -> dict[str, Any]:
-    """`{"rows": [...], "comparisons": [...]}`; rates are over all planned episodes."""
-    jobs = list(jobs)
+def summarize(
+    jobs: Iterable[Job], records: Iterable[Record], manifest: Mapping[str, Any] = NO_MANIFEST
+) -> dict[str, Any]:
+    """`{"rows": [...], "comparisons": [...]}`; rates are over all planned episodes.
+
+    Drivers whose privilege the run's manifest lacks, as one of an older version does, are created.
+    """
+    jobs, privileged = list(jobs), manifest.get("privileged") or {}
     by_id = {record["id"]: record for record in records}
     cells: dict[tuple[str, str, str], list[Record | None]] = {}
     for job in jobs:
         cells.setdefault((job.scenario, job.weather, job.driver), []).append(by_id.get(job.id))
     return {
-        "rows": [_row(cell, found) for cell, found in sorted(cells.items())],
+        "rows": [_row(cell, _privilege(cell[2], privileged), found) for cell, found in sorted(cells.items())],
         "comparisons": compare(jobs, by_id),
     }
 
 
-def _row(cell: tuple[str, str, str], found: Sequence[Record | None]) -> dict[str, Any]:
+def _privilege(driver: str, stored: Mapping[str, str]) -> str:
+    return stored[driver] if driver in stored else drivers.create(driver).privileged
+
+
+def _row(cell: tuple[str, str, str], privileged: str, found: Sequence[Record | None]) -> dict[str, Any]:
     driven = sorted((record for record in found if record is not None), key=lambda record: int(record["seed"]))
     success = [record for record in driven if record["status"] == "success"]
     others = [record for record in driven if record["status"] != "success"]
     return {
         **dict(zip(("scenario", "weather", "driver"), cell, strict=True)),
-        "privileged": drivers.create(cell[2]).privileged,
+        "privileged": privileged,
         "episodes": len(found),
         "successes": len(success),
         "success_rate": len(success) / len(found),

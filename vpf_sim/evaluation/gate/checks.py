@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from vpf_sim import system
+from vpf_sim import drivers, system
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.evaluation.gate.cells import Cell
 from vpf_sim.evaluation.gate.rules import Rule
@@ -34,7 +34,9 @@ class Check:
 
     @property
     def rerun(self) -> str | None:
-        """The command that repeats the seeds or the perception drives."""
+        """The command that repeats the seeds or the perception drives; None for a driver of a notebook or script."""
+        if not drivers.has_name(self.cell.driver):
+            return None
         if self.folder:
             rerun = command("perception", self.folder, driver=self.cell.driver)
             return " ".join([rerun, *(f"--id {drive}" for drive in self.drives)])

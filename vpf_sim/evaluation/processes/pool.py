@@ -78,8 +78,10 @@ def run(
     `work` must be importable by name. Its exceptions are raised here.
     """
     waiting = deque((task, 1) for task in tasks)
-    pool: list[_Worker[Task]] = [_start(number, work) for number in range(min(workers, len(waiting)))]
+    pool: list[_Worker[Task]] = []
     try:
+        for number in range(min(workers, len(waiting))):
+            pool.append(_start(number, work))  # noqa: PERF401 (if a later one fails, these are ended)
         while waiting or any(worker.task is not None for worker in pool):
             for worker in pool:
                 if worker.task is None and waiting:
@@ -102,10 +104,16 @@ def _start(number: int, work: Callable[[Task], Any]) -> "_Worker[Task]":
     ours, theirs = SPAWN.Pipe()
     descriptor, name = mkstemp(prefix="vpf_sim-worker-", suffix=".log")  # Windows inherits no descriptors
     os.close(descriptor)
-    process = SPAWN.Process(target=_serve, args=(theirs, name, work), name=f"worker {number}", daemon=True)
-    with STARTING, limited_environment(), _without_main():
-        process.start()
-    theirs.close()  # so that the pipe ends when the worker dies
+    try:
+        process = SPAWN.Process(target=_serve, args=(theirs, name, work), name=f"worker {number}", daemon=True)
+        with STARTING, limited_environment(), _without_main():
+            process.start()
+    except BaseException:
+        ours.close()  # ends a worker that has started
+        Path(name).unlink(missing_ok=True)
+        raise
+    finally:
+        theirs.close()  # so that the pipe ends when the worker dies
     return _Worker(number, process, ours, Path(name))
 
 

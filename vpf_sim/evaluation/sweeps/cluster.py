@@ -16,7 +16,7 @@ from typing import Any
 from urllib.parse import urlsplit
 from uuid import uuid4
 
-from vpf_sim.errors import InputError
+from vpf_sim.errors import InputError, option
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.processes import watchdog
@@ -27,7 +27,7 @@ from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import RunFolder, change, read_manifest
 
-MISSING = "--cluster: expected Dask, which is not installed: pip install 'vpf_sim[cluster]'"
+MISSING = "expected Dask, which is not installed: pip install 'vpf_sim[cluster]'"
 CONNECT_S = 4.0  # timeout for a scheduler, short so that a wrong address fails soon
 Manifest = dict[str, Any]
 
@@ -80,7 +80,7 @@ def connected(address: str | None, asked: Manifest, mixed: bool) -> Iterator[Any
 def _client(address: str) -> Any:
     """A client of the scheduler; InputError with one line where there is none."""
     if not _is_installed():
-        raise InputError(MISSING)
+        raise _fault(MISSING)
     fault = _unreachable(address)
     if fault is None:
         for name in ("distributed", "asyncio", "tornado.application"):
@@ -89,7 +89,7 @@ def _client(address: str) -> Any:
             return _distributed().Client(address, timeout=CONNECT_S, name="vpf-sim", set_as_default=False)
         except (OSError, ValueError) as error:
             fault = " ".join(str(error).split()) or type(error).__name__
-    raise InputError(f"--cluster: expected a Dask scheduler at {address}, got: {fault}")
+    raise _fault(f"expected a Dask scheduler at {address}, got: {fault}")
 
 
 def _unreachable(address: str) -> str | None:
@@ -122,6 +122,10 @@ def _unreachable(address: str) -> str | None:
         return f"no answer in {CONNECT_S:g} s"
 
 
+def _fault(what: str) -> InputError:
+    return InputError(f"{option('cluster')}: {what}")
+
+
 def _is_installed() -> bool:
     """Whether Dask is installed, without importing it, which takes seconds."""
     try:
@@ -134,7 +138,7 @@ def _distributed() -> Any:
     try:
         import distributed
     except ImportError:
-        raise InputError(MISSING) from None
+        raise _fault(MISSING) from None
     return distributed
 
 
@@ -142,10 +146,10 @@ def _check_workers(client: Any, asked: Manifest, mixed: bool) -> None:
     """InputError for a worker that would make different records; later workers check themselves."""
     for worker, threads in client.nthreads().items():
         if threads != 1:
-            raise InputError(f"--cluster: worker {worker}: expected one thread (--nthreads 1), got {threads}")
+            raise _fault(f"worker {worker}: expected one thread (--nthreads 1), got {threads}")
     for worker, found in client.run(fingerprint, on_error="return").items():
         if isinstance(found, BaseException):
-            raise InputError(f"--cluster: worker {worker}: expected vpf_sim as it is here, got: {found}")
+            raise _fault(f"worker {worker}: expected vpf_sim as it is here, got: {found}")
         if not mixed:
             _compare(worker, found, asked)
 
@@ -153,7 +157,7 @@ def _check_workers(client: Any, asked: Manifest, mixed: bool) -> None:
 def _compare(worker: str, found: dict[str, str], asked: Manifest) -> None:
     if found != asked["fingerprint"]:
         what = change(asked["fingerprint"], found)
-        raise InputError(f"--cluster: worker {worker}: another fingerprint: {what}; --mixed accepts it")
+        raise _fault(f"worker {worker}: another fingerprint: {what}; {option('mixed')} accepts it")
 
 
 def _result(future: Any) -> Any:
@@ -161,7 +165,7 @@ def _result(future: Any) -> Any:
     try:
         return future.result()
     except (CancelledError, OSError) as error:
-        raise InputError(f"--cluster: lost the scheduler ({type(error).__name__})") from None
+        raise _fault(f"lost the scheduler ({type(error).__name__})") from None
     finally:
         future.release()
 
@@ -193,4 +197,4 @@ def _check_inputs(worker: str, job: Job, asked: Manifest) -> None:
     for kind, hashes in Plan.of(job).check().items():
         for name, value in hashes.items():
             if asked.get(kind, {}).get(name) != value:
-                raise InputError(f"--cluster: worker {worker}: {name}: expected the file as it is here, got another")
+                raise _fault(f"worker {worker}: {name}: expected the file as it is here, got another")

@@ -44,24 +44,28 @@ class Plan:
         return list(dict.fromkeys(jobs))
 
     def check(self) -> dict[str, dict[str, str]]:
-        """The hashes, after creating every driver; InputError for an unknown name or file."""
+        """The hashes, and the privilege of each driver, which is created; InputError for an unknown name or file."""
         from vpf_sim import drivers
 
-        for name in self.driver:
-            drivers.create(name)
-        return self.hashes()
+        privileged: dict[str, str] = {name: drivers.create(name).privileged for name in self.driver}
+        return {**self.hashes(), "privileged": privileged}
 
     def hashes(self) -> dict[str, dict[str, str]]:
         """Hashes of the scenarios, the weathers, and the code of users' drivers."""
-        from vpf_sim import scenarios
         from vpf_sim.envs.camera import weather
         from vpf_sim.evaluation.sweeps.fingerprint import own_code
 
         return {
-            "scenarios": {name: _hash(scenarios.load(name)) for name in self.scenario},
+            "scenarios": self.scenario_hashes(),
             "weathers": {name: _hash(weather.load(name)) for name in self.weather},
             "drivers": {name: code for name in self.driver if (code := own_code(name)) is not None},
         }
+
+    def scenario_hashes(self) -> dict[str, str]:
+        """Hashes of the scenarios."""
+        from vpf_sim import scenarios
+
+        return {name: _hash(scenarios.load(name)) for name in self.scenario}
 
     @classmethod
     def of(cls, job: Job) -> "Plan":

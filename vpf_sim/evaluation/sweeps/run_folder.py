@@ -2,13 +2,15 @@
 
 import json
 import os
-from contextlib import suppress
+import shutil
+from contextlib import ExitStack, closing, suppress
 from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from vpf_sim.errors import InputError
+from vpf_sim import system
+from vpf_sim.errors import InputError, option
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.records import failed
 from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint, forget_code
@@ -20,6 +22,7 @@ from vpf_sim.files import DRAFT, write_text
 
 MANIFEST = "manifest.json"
 LINES = ("episodes.jsonl", "timing.jsonl")
+OUTPUTS = ("steps", "errors")  # folders
 LATEST = "latest"  # in the place of a folder's name
 NO_JOB = Job("", "", "", 0)
 
@@ -43,8 +46,16 @@ def located(path: Path) -> Path:
     """
     if path.name != LATEST or path.exists():
         return path
-    begun = [file for file in path.parent.glob(f"*/{MANIFEST}") if (file.parent / LINES[0]).exists()]
-    return max(begun, key=lambda file: (file.stat().st_mtime_ns, file), default=path / MANIFEST).parent
+    begun = [(_begun_ns(file), file) for file in path.parent.glob(f"*/{MANIFEST}") if (file.parent / LINES[0]).exists()]
+    return max(begun, default=(0, path / MANIFEST))[1].parent
+
+
+def _begun_ns(manifest: Path) -> int:
+    """When a run began; before all others if its folder has been removed meanwhile."""
+    try:
+        return manifest.stat().st_mtime_ns
+    except OSError:
+        return -1
 
 
 def manifest(command: str, plan: Plan) -> dict[str, Any]:
@@ -60,31 +71,31 @@ class RunFolder:
     def __init__(self, path: Path, asked: dict[str, Any], resume: bool = False, mixed: bool = False) -> None:
         self.path = path
         self.asked: dict[str, Any] = json.loads(json.dumps(asked))
-        new, self.mark = admitted(path, asked, resume, mixed)
+        admitted(path, asked, resume, mixed)  # before anything is written
         path.mkdir(parents=True, exist_ok=True)
-        self._lock = locked(path)
-        self._records = JsonLines(path / LINES[0])
-        self._timing = JsonLines(path / LINES[1])
-        if new:
-            self.write_json(MANIFEST, self.asked)
-        try:
+        with ExitStack() as opened:
+            self._lock = locked(path)
+            opened.callback(self._lock.release)
+            new, self.mark = admitted(path, asked, resume, mixed)  # another run may have begun in it until now
+            self._lines = [opened.enter_context(closing(JsonLines(path / name))) for name in LINES]
+            if new:
+                self.write_json(MANIFEST, self.asked)
             self.done = {record["id"] for record in self.records()}
-        except InputError:
-            self.close()
-            raise
+            opened.pop_all()
 
     def add(self, record: dict[str, Any], timing: dict[str, Any]) -> None:
         """Store a finished episode; the `traceback` of an error is written to its own file."""
         timing = dict(timing)
         if "traceback" in timing:
             self._write_error(record["id"], timing.pop("traceback"))
-        self._timing.append(timing)
-        self._records.append(record)
+        records, timings = self._lines
+        timings.append(timing)
+        records.append(record)
         self.done.add(record["id"])
 
     def replace_records(self, records: list[dict[str, Any]]) -> None:
         """Replace all records; none can be added afterwards."""
-        self._records.rewrite(records)
+        self._lines[0].rewrite(records)
 
     def error_file(self, episode: str) -> Path:
         """The file with the reason of an `error`."""
@@ -99,17 +110,24 @@ class RunFolder:
         write_json(self.path / name, value)
 
     def close(self) -> None:
-        self._records.close()
-        self._timing.close()
+        for lines in self._lines:
+            lines.close()
         self._lock.release()
 
-    def discard(self) -> None:
-        """Remove the folder of a run that stored nothing."""
-        self.close()  # Windows does not remove an open file
-        for name in (MANIFEST, *LINES, LOCK):
-            (self.path / name).unlink(missing_ok=True)
-        with suppress(OSError):  # it has files of the user
-            self.path.rmdir()
+    def discard(self, keep_folder: bool = False) -> None:
+        """Remove what a new run wrote, and its folder unless it has other files."""
+        for lines in self._lines:
+            lines.close()
+        with closing(self), suppress(OSError):
+            for name in OUTPUTS:
+                shutil.rmtree(self.path / name, ignore_errors=True)
+            for name in (MANIFEST, *LINES):
+                (self.path / name).unlink(missing_ok=True)
+            if system.WINDOWS:  # which removes no open file, hence none that another run has locked
+                self._lock.release()
+            (self.path / LOCK).unlink(missing_ok=True)
+            if not keep_folder:
+                self.path.rmdir()
 
     def _write_error(self, episode: str, reason: str) -> None:
         path = self.error_file(episode)
@@ -127,14 +145,20 @@ def admitted(path: Path, asked: dict[str, Any], resume: bool, mixed: bool) -> tu
     return False, digest(asked["fingerprint"]) if _has_other_fingerprint(path, asked, mixed) else None
 
 
-def _check_new(path: Path) -> None:
+def check_name(path: Path) -> None:
+    """InputError for a new folder that would hide the run that `runs/latest` stands for."""
     if path.name == LATEST:
         raise InputError(f"{path}: expected another name: this one stands for the run that began last")
+
+
+def _check_new(path: Path) -> None:
+    check_name(path)
     if path.exists() and not path.is_dir():
         raise InputError(f"{path}: expected a folder, got a file")
     if path.exists() and not all(map(_is_unwritten, path.iterdir())):
-        remedy = "choose another --out, or --resume what is there" if (path / MANIFEST).exists() else ""
-        raise InputError(f"{path}: expected an empty or new run folder, {remedy or 'got other files'}")
+        other = f"choose another {option('out')}, or {option('resume')} what is there"
+        remedy = other if (path / MANIFEST).exists() else "got other files"
+        raise InputError(f"{path}: expected an empty or new run folder, {remedy}")
 
 
 def _has_other_fingerprint(path: Path, asked: dict[str, Any], mixed: bool) -> bool:
@@ -143,20 +167,23 @@ def _has_other_fingerprint(path: Path, asked: dict[str, Any], mixed: bool) -> bo
     for key in ("command", "plan", "scenarios", "weathers", "drivers"):
         if (stored.get(key) or None) != (asked.get(key) or None):
             what = change(stored.get(key), asked.get(key))
-            raise InputError(f"{path}: --resume: {key} changed: {what}; start a new run")
+            raise InputError(f"{path}: {option('resume')}: {key} changed: {what}; start a new run")
     if stored["fingerprint"] == asked["fingerprint"]:
         return False
     if not mixed:
         what = change(stored["fingerprint"], asked["fingerprint"])
-        raise InputError(f"{path}: --resume: fingerprint changed: {what}; --mixed accepts it")
+        raise InputError(f"{path}: {option('resume')}: fingerprint changed: {what}; {option('mixed')} accepts it")
     return True
 
 
 def _is_unwritten(path: Path) -> bool:
     """Whether a run that was killed before writing its manifest could have left this file."""
-    if path.name == f"{MANIFEST}{DRAFT}":
+    if path.name in (
+        f"{MANIFEST}{DRAFT}",
+        LOCK,
+    ):  # where the file system has no locks, the holder's name is in the file
         return True
-    return path.name in (LOCK, *LINES) and path.is_file() and path.stat().st_size == 0
+    return path.name in LINES and path.is_file() and path.stat().st_size == 0
 
 
 def write_json(path: Path, value: dict[str, Any]) -> None:

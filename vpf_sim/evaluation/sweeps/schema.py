@@ -111,6 +111,7 @@ class Manifest(Schema):
     scenarios: dict[str, str]
     weathers: dict[str, str]
     drivers: dict[str, str] = {}
+    privileged: dict[str, str] = {}
 
 
 class Paper(Schema):

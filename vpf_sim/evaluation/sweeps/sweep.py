@@ -10,7 +10,7 @@ from traceback import format_exc
 from typing import Any
 
 from vpf_sim import scenarios
-from vpf_sim.errors import InputError
+from vpf_sim.errors import InputError, option
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics import records
@@ -54,7 +54,9 @@ def limits(timeout_s: float | None) -> Limit:
     if timeout_s is None:
         return _slow_s
     if not isfinite(timeout_s) or not 0.0 < timeout_s <= LONGEST_S:
-        raise InputError(f"--timeout: expected seconds, more than 0 and up to {LONGEST_S:.0f}, got {timeout_s:g}")
+        raise InputError(
+            f"{option('timeout')}: expected seconds, more than 0 and up to {LONGEST_S:.0f}, got {timeout_s:g}"
+        )
     return lambda _: timeout_s
 
 
