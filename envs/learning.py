@@ -131,7 +131,7 @@ class FourLanePixels(gymnasium.Env[PixelObservation, Any]):
 
     def render(self) -> Image | None:
         """The last drawn frame in colour, (H, W, 3)."""
-        return self._world.render()  # type: ignore[return-value]
+        return self._world.render()
 
     def close(self) -> None:
         for world in self._worlds:
