@@ -3,12 +3,13 @@
 Lines are bright ridges of a bird's-eye view (M. Bertozzi and A. Broggi, GOLD, IEEE Trans. Image Processing 7(1), 1998),
 collected by sliding windows from a pair one lane apart, and fitted by two parallel parabolas. Steering is Stanley's law
 (Thrun et al. 2006, eq. 10) with the curvature fed forward. The brake uses the divergence of the flow ahead,
-time to contact = 2 / divergence (T. Camus, Real-Time Quantized Optical Flow, 1995). It keeps its lane and stops; it does
-not pass obstacles.
+time to contact = 2 / divergence (T. Camus, Real-Time Quantized Optical Flow, 1995). It keeps its lane and stops; it
+does not pass obstacles.
 """
 
-from dataclasses import dataclass
-from math import atan, atan2, inf
+from dataclasses import astuple, dataclass, replace
+from itertools import pairwise
+from math import atan, atan2, inf, tan
 
 import cv2
 import numpy as np
@@ -16,7 +17,7 @@ import numpy as np
 from vpf_sim.controllers.pid import SpeedPid
 from vpf_sim.controllers.pid import load_gains as pid_gains
 from vpf_sim.controllers.stanley import load_gains
-from vpf_sim.geometry import project
+from vpf_sim.geometry import project, wrap_angle
 from vpf_sim.types import Bools, Camera, Command, Driver, DriverSetup, Floats, Image, Observation, VehicleModel
 
 FRAME_HZ = 20.0
@@ -40,6 +41,26 @@ class LaneFit:
     curvature_per_m: float
     width_m: float
 
+    def at_m(self, forward_m: Floats | float) -> Floats | float:
+        """Right of the car, at a distance ahead."""
+        return self.right_m + tan(self.heading_rad) * forward_m + 0.5 * self.curvature_per_m * forward_m**2
+
+    def lines_m(self, forward_m: float) -> tuple[float, float]:
+        """Left and right line at a distance ahead."""
+        centre_m = float(self.at_m(forward_m))
+        return centre_m - 0.5 * self.width_m, centre_m + 0.5 * self.width_m
+
+    def predict(self, driven_m: float, turned_rad: float) -> "LaneFit":
+        """The lane seen from a car that has driven on and turned to the right."""
+        heading_rad = self.heading_rad + self.curvature_per_m * driven_m - turned_rad
+        right_m = self.right_m + 0.5 * (self.heading_rad + heading_rad) * driven_m
+        return replace(self, right_m=right_m, heading_rad=heading_rad)
+
+    def blend(self, other: "LaneFit", weight: float) -> "LaneFit":
+        """This lane with a share of another's values."""
+        pairs = zip(astuple(self), astuple(other), strict=True)
+        return LaneFit(*(mine + weight * (theirs - mine) for mine, theirs in pairs))
+
 
 class BirdsEye:
     """A view of the road from above: rows from far to near, columns from left to right."""
@@ -49,7 +70,7 @@ class BirdsEye:
         width, height = self.size
         ahead_m, aside_m = np.array([FAR_M, FAR_M, NEAR_M, NEAR_M]), ASIDE_M * np.array([-1.0, 1.0, 1.0, -1.0])
         frame_px = project(camera, np.stack([ahead_m, aside_m, np.zeros(4)], axis=-1))
-        above_px = np.array([(0, 0), (width, 0), (width, height), (0, height)], np.float32)
+        above_px = np.array([(0, 0), (width, 0), (width, height), (0, height)], np.float32) - 0.5
         self._to_above = cv2.getPerspectiveTransform(frame_px.astype(np.float32), above_px)
 
     def of(self, image: Image) -> Floats:
@@ -75,28 +96,35 @@ def ridges(above: Floats) -> Bools:
 
 
 def fit_lane(found: Bools, expected: LaneFit | None) -> LaneFit | None:
-    """The lane around the car, or around where it is expected; None without points on both lines."""
+    """The lane around the car, or around where it is expected; None without points on a line.
+
+    A lane that is expected needs one of its lines, since its width is known.
+    """
     forward_m, right_m = BirdsEye.metres(*(index.astype(float) for index in np.nonzero(found)))
-    pair = _pair(right_m[forward_m < 0.5 * (NEAR_M + FAR_M)], expected)
+    pair = _pair(right_m[forward_m < 0.5 * (NEAR_M + FAR_M)]) if expected is None else expected.lines_m(NEAR_M)
     if pair is None:
         return None
-    left, right = (_follow(forward_m, right_m, start) for start in pair)
-    if min(left.sum(), right.sum()) < LEAST_POINTS:
+    lines = [_follow(forward_m, right_m, start, expected) for start in pair]
+    strong = [line.sum() >= LEAST_POINTS for line in lines]
+    if not (any(strong) if expected else all(strong)):
         return None
+    width_m = pair[1] - pair[0] if expected is None else expected.width_m
+    left, right = (line if is_strong else np.zeros_like(line) for line, is_strong in zip(lines, strong, strict=True))
     either = left | right
-    s, y = forward_m[either], right_m[either]
-    columns = np.stack([left[either], right[either], s, 0.5 * s**2], axis=1).astype(float)
-    left_m, right_side_m, heading, curvature = np.linalg.lstsq(columns, y, rcond=None)[0].tolist()
-    return LaneFit(0.5 * (left_m + right_side_m), atan(heading), curvature, right_side_m - left_m)
+    s, side = forward_m[either], np.where(left[either], -0.5, 0.5)
+    free = [side] if all(strong) else []  # the width
+    columns = np.stack([np.ones_like(s), s, 0.5 * s**2, *free], axis=1)
+    known = 0.0 if free else side * width_m
+    values = np.linalg.lstsq(columns, right_m[either] - known, rcond=None)[0].tolist()
+    return LaneFit(values[0], atan(values[1]), values[2], values[3] if free else width_m)
 
 
-def _pair(right_m: Floats, expected: LaneFit | None) -> tuple[float, float] | None:
+def _pair(right_m: Floats) -> tuple[float, float] | None:
     """Where the two lines of the lane begin, by the best pair of columns one lane apart."""
     edges = np.arange(-ASIDE_M, ASIDE_M + 0.05, 0.1)
     counts = np.convolve(np.histogram(right_m, edges)[0], np.ones(3), mode="same")
-    centres = np.arange(-1.0, 1.01, 0.1) if expected is None else expected.right_m + np.arange(-0.4, 0.41, 0.1)
     best, pair = 0.0, None
-    for centre in centres.tolist():
+    for centre in np.arange(-1.0, 1.01, 0.1).tolist():
         for width in LANES_M.tolist():
             ends = centre - 0.5 * width, centre + 0.5 * width
             both = [counts[min(max(int((end + ASIDE_M) / 0.1), 0), len(counts) - 1)] for end in ends]
@@ -106,18 +134,16 @@ def _pair(right_m: Floats, expected: LaneFit | None) -> tuple[float, float] | No
     return pair
 
 
-def _follow(forward_m: Floats, right_m: Floats, start_m: float) -> Bools:
-    """The points of the line that begins at `start_m`, by windows that move with it."""
-    member, at_m, drift_m = np.zeros(len(forward_m), np.bool_), start_m, 0.0
-    ends = np.linspace(NEAR_M, FAR_M, WINDOWS + 1)
-    for low, high in zip(ends[:-1], ends[1:], strict=True):
+def _follow(forward_m: Floats, right_m: Floats, start_m: float, expected: LaneFit | None) -> Bools:
+    """The points of the line that begins at `start_m`, by windows that move with it, or along the expected lane."""
+    if expected is not None:
+        off_m = right_m - (expected.at_m(forward_m) - expected.at_m(NEAR_M) + start_m)
+        return np.abs(off_m) < WINDOW_M
+    member, at_m = np.zeros(len(forward_m), np.bool_), start_m
+    for low, high in pairwise(np.linspace(NEAR_M, FAR_M, WINDOWS + 1)):
         inside = (forward_m >= low) & (forward_m < high) & (np.abs(right_m - at_m) < WINDOW_M)
         member |= inside
-        if inside.sum() >= 3:
-            found_m = float(np.median(right_m[inside]))
-            drift_m = found_m - at_m + drift_m if low > NEAR_M else 0.0
-            at_m = found_m
-        at_m += drift_m
+        at_m = float(np.median(right_m[inside])) if inside.sum() >= 3 else at_m
     return member
 
 
@@ -133,7 +159,7 @@ class ContactBrake:
     def alarm(self, image: Image, elapsed_s: float) -> bool:
         """Whether several frames in a row show a contact within `BRAKE_TTC_S`."""
         left, top, right, bottom = self._box
-        grey = cv2.cvtColor(image[top:bottom, left:right], cv2.COLOR_RGB2GRAY)
+        grey: Image = cv2.cvtColor(image[top:bottom, left:right], cv2.COLOR_RGB2GRAY).astype(np.uint8, copy=False)
         last, self._last = self._last, grey
         if last is not None and elapsed_s > 0.0:
             self._alarms = self._alarms + 1 if self._ttc_s(last, grey, elapsed_s) < BRAKE_TTC_S else 0
@@ -165,6 +191,7 @@ class LaneLinesDriver(Driver):
         self._above, self._brake = BirdsEye(setup.camera), ContactBrake(setup.camera)
         self._camera = setup.camera
         self._lane: LaneFit | None = None
+        self._pose = np.zeros(3)  # x m, y m, yaw rad at the last frame
         self._frame_s, self._stopping = -inf, False
 
     def act(self, observation: Observation) -> Command:
@@ -176,9 +203,14 @@ class LaneLinesDriver(Driver):
         return Command(throttle, self._steer(observation.speed_mps))
 
     def _look(self, observation: Observation, elapsed_s: float) -> None:
+        pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
+        if self._lane is not None:
+            moved = pose - self._pose
+            self._lane = self._lane.predict(float(np.hypot(*moved[:2])), wrap_angle(float(moved[2])))
+        self._pose = pose
         found = fit_lane(ridges(self._above.of(observation.image)), self._lane)
         if found is not None:
-            self._lane = found if self._lane is None else _blend(self._lane, found)
+            self._lane = found if self._lane is None else self._lane.blend(found, SMOOTHING)
         self._stopping |= self._brake.alarm(observation.image, elapsed_s)
 
     def _steer(self, speed_mps: float) -> float:
@@ -190,12 +222,3 @@ class LaneLinesDriver(Driver):
         angle = lane.heading_rad + atan2(self._gains.k_per_s * right_m, self._gains.softening_mps + speed_mps)
         angle += atan(self._vehicle.wheelbase_m * lane.curvature_per_m)
         return min(max(angle / self._vehicle.steering_limit_rad, -1.0), 1.0)
-
-
-def _blend(old: LaneFit, new: LaneFit) -> LaneFit:
-    pairs = zip(
-        (old.right_m, old.heading_rad, old.curvature_per_m, old.width_m),
-        (new.right_m, new.heading_rad, new.curvature_per_m, new.width_m),
-        strict=True,
-    )
-    return LaneFit(*(before + SMOOTHING * (now - before) for before, now in pairs))

@@ -38,12 +38,6 @@ def _lane_lines() -> Driver:
     return LaneLinesDriver()
 
 
-def _flow_balance() -> Driver:
-    from vpf_sim.drivers.flow_balance import FlowBalanceDriver  # as above
-
-    return FlowBalanceDriver()
-
-
 _REGISTRY: dict[str, _Entry] = {
     "vpf": _Entry(
         lambda: VisionDriver("robust"),
@@ -69,7 +63,6 @@ _REGISTRY: dict[str, _Entry] = {
     "lane-lines": _Entry(
         _lane_lines, "none", "lane lines from above, Stanley's law, a brake by time to contact; stops for obstacles"
     ),
-    "flow-balance": _Entry(_flow_balance, "none", "turns away from the side with more optical flow (Souhila, Karim)"),
     "neutral": _Entry(NeutralDriver, "none", "no throttle and no steering"),
 }
 
