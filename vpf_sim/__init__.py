@@ -10,7 +10,7 @@
     run = vpf_sim.sweep("random", driver=["vpf", MyDriver], seeds="0:5")
     vpf_sim.report(run)
 
-`import vpf_sim` also registers the environment `vpf_sim/FourLane-v0` with gymnasium.
+`import vpf_sim` also registers the environments `vpf_sim/FourLane-v0` and `vpf_sim/FourLanePixels-v0` with gymnasium.
 """
 
 from importlib import import_module
@@ -62,6 +62,7 @@ _MODULES = {
 }
 
 register(id="vpf_sim/FourLane-v0", entry_point="vpf_sim.envs.four_lane:FourLane")
+register(id="vpf_sim/FourLanePixels-v0", entry_point="vpf_sim.envs.learning:FourLanePixels")
 
 
 def __getattr__(name: str) -> Any:

@@ -55,7 +55,17 @@ def frame(level: int = 90) -> Observation:
 
 
 def test_the_registry_and_its_descriptions() -> None:
-    assert drivers.names() == ["vpf", "vpf-paper", "vpf-literal", "pid", "pure-pursuit", "stanley", "idm", "neutral"]
+    assert drivers.names() == [
+        "vpf",
+        "vpf-paper",
+        "vpf-literal",
+        "pid",
+        "pure-pursuit",
+        "stanley",
+        "idm",
+        "lane-lines",
+        "neutral",
+    ]
     told = {row.name: row.privileged for row in drivers.describe() if row.privileged != "none"}
     assert told == {"pid": "route", "pure-pursuit": "route", "stanley": "route", "idm": "world"}
     for row in drivers.describe():

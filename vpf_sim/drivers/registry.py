@@ -32,6 +32,12 @@ class _Entry:
     summary: str
 
 
+def _lane_lines() -> Driver:
+    from vpf_sim.drivers.lane_lines import LaneLinesDriver  # imports OpenCV, which listings do not need
+
+    return LaneLinesDriver()
+
+
 _REGISTRY: dict[str, _Entry] = {
     "vpf": _Entry(
         lambda: VisionDriver("robust"),
@@ -54,6 +60,9 @@ _REGISTRY: dict[str, _Entry] = {
         lambda: RouteDriver("stanley"), "route", "steers by heading and cross-track error; blind to obstacles"
     ),
     "idm": _Entry(IdmDriver, "world", "highway-env's own driver: IDM along the lane, MOBIL across; gets all objects"),
+    "lane-lines": _Entry(
+        _lane_lines, "none", "lane lines from above, Stanley's law, a brake by time to contact; stops for obstacles"
+    ),
     "neutral": _Entry(NeutralDriver, "none", "no throttle and no steering"),
 }
 
