@@ -4,12 +4,22 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from difflib import get_close_matches
+from textwrap import shorten
 
 _COMMAND_LINE = ContextVar("command_line", default=False)
 
 
+MOST_NAMES_LENGTH = 600  # characters of a list of names in a message
+
+
 class InputError(Exception):
-    """Wrong use or wrong input; the command line prints the message and exits with 2."""
+    """Wrong use or wrong input; the command line prints the message and exits with 2.
+
+    A message may quote what a user's file holds; what cannot be printed of it is escaped.
+    """
+
+    def __init__(self, message: str) -> None:
+        super().__init__("".join(one if one.isprintable() or one == "\n" else ascii(one)[1:-1] for one in message))
 
 
 @contextmanager
@@ -36,7 +46,7 @@ def unknown_name(what: str, name: str, known: Iterable[str]) -> InputError:
     """The error for an unregistered name, with the nearest known name as a suggestion."""
     names = sorted(known)
     near = get_close_matches(name, names, n=1, cutoff=0.5)
-    remedy = f"did you mean '{near[0]}'?" if near else f"known: {', '.join(names)}"
+    remedy = f"did you mean '{near[0]}'?" if near else f"known: {shorten(', '.join(names), MOST_NAMES_LENGTH)}"
     return InputError(f"unknown {what} '{name}': {remedy}")
 
 

@@ -72,9 +72,9 @@ def test_the_registry_and_its_descriptions() -> None:
         assert drivers.create(row.name).privileged == row.privileged
 
 
-def test_only_the_fields_drivers_look_at_the_frames(module: str) -> None:
+def test_only_vision_drivers_look_at_the_frames(module: str) -> None:
     seeing = [name for name in drivers.names() if drivers.uses_images(drivers.create(name))]
-    assert seeing == ["vpf", "vpf-paper", "vpf-literal"]
+    assert seeing == ["vpf", "vpf-paper", "vpf-literal", "lane-lines"]
     assert drivers.uses_images(drivers.create(f"{module}:Own")), "who does not say is shown them"
 
 

@@ -63,13 +63,13 @@ class ModelVehicle:
         """Mean command until the next frame while following a reference given for `at`."""
         count = max(1, round(interval.seconds * self._rate_hz))
         step_s = interval.seconds / count
-        distance_m = float(np.hypot(*(interval.after - interval.before)[:2])) / count
-        turned_rad = wrap_angle(float(interval.after[2] - interval.before[2])) / count
+        distance_m = float(np.hypot(*(interval.after[:2] - interval.before[:2]))) / count
+        yaw_rad, yaw_after_rad = (wrap_angle(float(pose[2])) for pose in (interval.before, interval.after))
+        turned_rad = wrap_angle(yaw_after_rad - yaw_rad) / count
         commands = []
         for i in range(count):
-            recorded_yaw = float(interval.before[2]) + i * turned_rad
             target = _later(reference, i * step_s)
-            commands.append(self._command(target, at, recorded_yaw + self.turn_rad, distance_m / step_s))
+            commands.append(self._command(target, at, yaw_rad + i * turned_rad + self.turn_rad, distance_m / step_s))
             self._move(commands[-1], distance_m, turned_rad, step_s)
         throttle, steering = np.mean([(command.throttle, command.steering) for command in commands], axis=0)
         return Command(float(throttle), float(steering))

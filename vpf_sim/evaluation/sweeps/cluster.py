@@ -83,10 +83,11 @@ def _client(address: str) -> Any:
         raise _fault(MISSING)
     fault = _unreachable(address)
     if fault is None:
+        distributed = _distributed()  # sets log levels when it is imported
         for name in ("distributed", "asyncio", "tornado.application"):
-            getLogger(name).setLevel(CRITICAL)  # the InputError below replaces their tracebacks
+            getLogger(name).setLevel(CRITICAL)  # an InputError replaces their tracebacks
         try:
-            return _distributed().Client(address, timeout=CONNECT_S, name="vpf-sim", set_as_default=False)
+            return distributed.Client(address, timeout=CONNECT_S, name="vpf-sim", set_as_default=False)
         except (OSError, ValueError) as error:
             fault = " ".join(str(error).split()) or type(error).__name__
     raise _fault(f"expected a Dask scheduler at {address}, got: {fault}")
