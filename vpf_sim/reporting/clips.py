@@ -1,4 +1,4 @@
-"""Short video clips of failures, small enough to embed in a page."""
+"""Short video clips of episodes, small enough to embed in a page."""
 
 from base64 import b64encode
 from collections import Counter
@@ -36,10 +36,11 @@ class Clip:
 
 
 def choose(records: Iterable[Record], drivers: Sequence[str], count: int) -> list[Record]:
-    """Up to `count` unsuccessful episodes, different kinds of failure and cells first."""
+    """Up to `count` unsuccessful episodes, different kinds of failure and cells first; one success if there is none."""
     order = {driver: number for number, driver in enumerate(drivers)}
-    failed = [record for record in records if record["status"] != "success" and record["steps"] > 0]
-    failed.sort(key=lambda record: (order.get(record["driver"], len(order)), record["seed"], record["id"]))
+    driven = [record for record in records if record["steps"] > 0]
+    driven.sort(key=lambda record: (order.get(record["driver"], len(order)), record["seed"], record["id"]))
+    failed = [record for record in driven if record["status"] != "success"] or driven[:1]
     kinds: Counter[tuple[str, ...]] = Counter()
     cells: Counter[tuple[str, ...]] = Counter()
     ranked = []
