@@ -29,7 +29,7 @@ def listed(names: Sequence[str]) -> str:
     words = [*map(shown, names)]
     if len(words) > MOST_NAMES:
         words[MOST_NAMES - 1 :] = [f"{len(words) - MOST_NAMES + 1} others"]
-    return " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))
+    return " and ".join(filter(None, (", ".join(words[:-1]), *words[-1:])))
 
 
 def day(when: date) -> str:
@@ -59,18 +59,18 @@ def sentences(rows: Sequence[Row], order: Order, against: Difference | None, com
             f"{', '.join(success).replace(' (', ' (95 % interval: ', 1)}{_where(first, rows) if not others else ''}."
         ]
     if against is not None and others:
-        found.append(f"On the same seeds {first} reached it {difference(against)} than {others[0]}.")
+        found.append(f"On the same seeds {first} reached it {difference(against, others[0])}.")
     return [*found, *(_against_paper(rows, order) if command == "benchmark" else [])]
 
 
-def difference(found: Difference) -> str:
-    """A difference of success as text: "17 percentage points more often (−9 to 43, p = 0.25)"."""
-    points = 100.0 * found.difference
-    assert found.interval is not None
-    beside = f"({interval_text(found.interval, 0, percent=True)}, p {probability(found.p)})"
+def difference(found: Difference, other: str) -> str:
+    """A difference of success as text: "17 percentage points more often than pid (−9 to 43, p = 0.25)"."""
+    points, test = 100.0 * found.difference, f"p {probability(found.p)}"
+    ends = interval_text(found.interval, 0, percent=True)
     if points == 0.0:
-        return f"neither more nor less often {beside}"
-    return f"{abs(points):.0f} percentage points {'more' if points > 0.0 else 'less'} often {beside}"
+        return f"as often as {other} ({ends} percentage points, {test})"
+    more = "more" if points > 0.0 else "less"
+    return f"{abs(points):.0f} percentage points {more} often than {other} ({ends}, {test})"
 
 
 def probability(p: float) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import cv2
+import numpy as np
 
 from vpf_sim.reporting import episode_view
 from vpf_sim.reporting.pictures import jpeg
@@ -24,7 +25,7 @@ POSTER_QUALITY = 70  # of JPEG
 
 @dataclass(frozen=True, slots=True)
 class Clip:
-    """A video of the end of an episode."""
+    """A video of a part of an episode."""
 
     episode: str
     ending: str
@@ -53,17 +54,19 @@ def choose(records: Iterable[Record], drivers: Sequence[str], count: int) -> lis
     return [record for *_, record in sorted(ranked, key=lambda item: item[:2])[:count]]
 
 
-def make(run: StoredRun, record: Record) -> Clip:
-    """Re-render the episode and encode its end."""
+def make(run: StoredRun, record: Record, until_m: float | None = None) -> Clip:
+    """Re-render the episode and encode its end, or the seconds before `until_m` of the route."""
     drawn = redrawing(run, record["id"], replan=True)
     last = len(drawn.table)
+    if until_m is not None and drawn.table.route_m[-1] > until_m:
+        last = int(np.argmax(drawn.table.route_m > until_m))
     first, stride = max(0, last - round(LENGTH_S * drawn.rate_hz)), max(1, round(drawn.rate_hz / RATE_HZ))
     size = tuple(round(SCALE * side / 2) * 2 for side in episode_view.size_px(drawn.camera))
     width, height = size
     with TemporaryDirectory() as folder:
         path = Path(folder) / "clip.mp4"
         with Writer(path, (width, height), drawn.rate_hz / stride, CRF) as writer:
-            for _, frame in episode_view.frames(drawn, lambda row: row >= first and (last - row) % stride == 0):
+            for _, frame in episode_view.frames(drawn, lambda row: first <= row <= last and (last - row) % stride == 0):
                 small: Image = cv2.resize(frame, (width, height), interpolation=cv2.INTER_AREA)  # type: ignore[assignment]
                 writer.write(small)
         video = path.read_bytes()
