@@ -36,7 +36,7 @@ def choose(pairs: Sequence[Pair], count: int) -> list[Pair]:
     if changed or not count:
         return changed[:count]
     driven = [pair for pair in pairs if all(record and record["path_mse_m2"] is not None for record in pair.records)]
-    return sorted(driven, key=_path_change, reverse=True)[:1]
+    return sorted(filter(_path_change, driven), key=_path_change, reverse=True)[:1]
 
 
 def make(runs: TwoRuns, pair: Pair, notify: Callable[[str], None]) -> Change:

@@ -1,6 +1,5 @@
 """Short video clips of episodes, small enough to embed in a page."""
 
-from base64 import b64encode
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -11,7 +10,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.reporting import episode_view
-from vpf_sim.reporting.pictures import jpeg
+from vpf_sim.reporting.pictures import data_uri, jpeg
 from vpf_sim.reporting.redraw import redrawing
 from vpf_sim.reporting.stored_run import Record, StoredRun
 from vpf_sim.reporting.video import Writer
@@ -74,12 +73,8 @@ def make(run: StoredRun, record: Record, until_m: float | None = None) -> Clip:
         record["id"],
         episode_view.ending(drawn),
         tuple(drawn.remarks),
-        _uri("video/mp4", video),
-        _uri("image/jpeg", jpeg(small, POSTER_QUALITY)),
+        data_uri("video/mp4", video),
+        data_uri("image/jpeg", jpeg(small, POSTER_QUALITY)),
         width,
         height,
     )
-
-
-def _uri(kind: str, content: bytes) -> str:
-    return f"data:{kind};base64,{b64encode(content).decode('ascii')}"

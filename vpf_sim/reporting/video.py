@@ -32,6 +32,19 @@ def require(what: str) -> None:
         raise InputError(f"{what}: expected PyAV, which is not installed: {INSTALL}")
 
 
+def middle_frame(path: Path) -> Image | None:
+    """(H, W, 3) a frame near the middle of a video; None if it cannot be read."""
+    if not is_available():
+        return None
+    try:
+        with av.open(str(path)) as container:
+            container.seek((container.duration or 0) // 2)
+            frame = next(container.decode(video=0), None)
+    except av.error.FFmpegError:
+        return None
+    return None if frame is None else frame.to_ndarray(format="rgb24")
+
+
 class Writer:
     """Writes frames as H.264 at true speed; a context manager that commits the file when it closes.
 
