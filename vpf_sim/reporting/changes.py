@@ -95,6 +95,8 @@ def _above(
 ) -> Markup | None:
     """Both paths over the road, at the place where one failed."""
     scenario, seed = pair.jobs[0].scenario, pair.jobs[0].seed
+    if not any(table is not None for table in tables):
+        return None
     try:
         layout = layouts(scenario, [seed])[seed]
     except InputError as error:
