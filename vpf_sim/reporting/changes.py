@@ -55,7 +55,8 @@ def ending(record: Record | None) -> str:
     """How an episode ended, as text: "collision with a car"."""
     if record is None:
         return "not driven"
-    return record["status"].replace("_", " ") + (f" with a {hit}" if (hit := record.get("collided_with")) else "")
+    hit = f" with a {record['collided_with']}" if record.get("collided_with") else ""
+    return f"{record['status'].replace('_', ' ')}{hit}"
 
 
 def name(pair: Pair) -> str:

@@ -40,12 +40,12 @@ def make(runs: TwoRuns, count: int, notify: Callable[[str], None]) -> str:
 
 def title(runs: TwoRuns) -> str:
     """What is compared, where, on which seeds, and when; a renamed driver or weather is named once, at the front."""
-    jobs = [pair.jobs for pair in runs.pairs]
+    columns = zip(*runs.cells(), strict=True)
     scenarios, weathers, drivers = (
-        answer.listed(list(dict.fromkeys(one[at] for one, other in jobs if one[at] == other[at]))) for at in range(3)
+        answer.listed([name for name in dict.fromkeys(column) if AGAINST not in name]) for column in columns
     )
     days = dict.fromkeys(answer.day(one.run.begun) for one in (runs.b, runs.a))
-    seeds = failures.ranges(sorted({one.seed for one, _ in jobs}))
+    seeds = failures.ranges(sorted({pair.jobs[0].seed for pair in runs.pairs}))
     what = f"{runs.labels[1]} against {runs.labels[0]}{f': {drivers}' if drivers else ''} on {scenarios}"
     return " — ".join(filter(None, (what, weathers, f"seeds {seeds}", " against ".join(days))))
 
@@ -130,7 +130,7 @@ def _signed(value: float, digits: int, percent: bool) -> str:
 def _endings(runs: TwoRuns) -> list[tuple[str, str, str]]:
     """Name and both endings of each episode with another ending, those that now fail first."""
     rows = changes.choose(runs.pairs, len(runs.pairs)) if any(pair.changed for pair in runs.pairs) else []
-    return [(changes.name(pair), *map(changes.ending, pair.records)) for pair in rows]
+    return [(changes.name(pair), changes.ending(pair.records[0]), changes.ending(pair.records[1])) for pair in rows]
 
 
 def _made(runs: TwoRuns) -> Iterator[tuple[str, str]]:

@@ -115,7 +115,7 @@ def zoom(layout: RoadLayout, layouts: Sequence[RoadLayout], tracks: Sequence[Tra
         points = np.where(near[:, None], points, np.nan)
         plot.line(points[:, 0], points[:, 1], f"path {track.style}")
         if not track.succeeded and near[-1]:
-            _cross(plot, *points[-1].tolist(), track.style)
+            _cross(plot, float(points[-1, 0]), float(points[-1, 1]), track.style)
     _scale(plot, half, across)
     return plot.svg(f"{title}: paths over the road, zoom at {s_m:.0f} m of the carriageway")
 

@@ -84,11 +84,12 @@ class TwoRuns:
         """The episodes in both runs; InputError where there is none."""
         renamed = _renamed(a, b)
         worlds = _changed_worlds(a, b)
-        wanted = {job: job for job in b.jobs}
+        planned = set(b.jobs)
         pairs = []
         for job in a.jobs:
-            other = wanted.get(Job(*(renamed.get(name, name) for name in job[:3]), job.seed))
-            if other is not None and not worlds & {job.scenario, job.weather}:
+            weather, driver = renamed.get(job.weather, job.weather), renamed.get(job.driver, job.driver)
+            other = job._replace(weather=weather, driver=driver)
+            if other in planned and not worlds & {job.scenario, job.weather}:
                 pairs.append(Pair((job, other), (a.records.get(job.id), b.records.get(other.id))))
         if not pairs:
             raise InputError(_nothing_shared(a, b, worlds))
@@ -192,7 +193,9 @@ def _changed_worlds(a: RunData, b: RunData) -> set[str]:
 def _labels(a: RunData, b: RunData, renamed: dict[str, str]) -> tuple[str, str]:
     """What tells the runs apart: the renamed driver or weather, else the folders' names."""
     if renamed:
-        return ", ".join(map(shown, renamed)), ", ".join(map(shown, renamed.values()))
+        short = [*map(shown, renamed)], [*map(shown, renamed.values())]
+        names = short if short[0] != short[1] else ([*renamed], [*renamed.values()])  # files of one name in two folders
+        return ", ".join(names[0]), ", ".join(names[1])
     one, other = a.run.path, b.run.path
     return (one.name, other.name) if one.name != other.name else (str(one), str(other))
 

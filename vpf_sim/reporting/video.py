@@ -42,7 +42,7 @@ def middle_frame(path: Path) -> Image | None:
             frame = next(container.decode(video=0), None)
     except av.error.FFmpegError:
         return None
-    return None if frame is None else frame.to_ndarray(format="rgb24")
+    return None if frame is None else np.asarray(frame.to_ndarray(format="rgb24"), np.uint8)
 
 
 class Writer:
