@@ -29,9 +29,9 @@ def report(
     clips: ClipsOption = 4,
     json: JsonOption = False,
 ) -> None:
-    """Write a run, or the comparison of two, as one offline HTML page.
+    """Write a run, or two compared, as one HTML page.
 
-    It has the answer with intervals, videos of failures or changes, tables and charts.
+    It opens offline, and has the answer with intervals, videos of failures or changes, tables and charts.
     """
     from vpf_sim.api.report import report as write
     from vpf_sim.reporting.two_runs import open_two

@@ -40,7 +40,7 @@ def choose(pairs: Sequence[Pair], count: int) -> list[Pair]:
 
 
 def make(runs: TwoRuns, pair: Pair, notify: Callable[[str], None]) -> Change:
-    """The pictures of a pair; `notify` receives why one is missing."""
+    """The pictures of a pair, with films if PyAV is installed; `notify` receives why one is missing."""
     tables = [one.run.steps(job.id) for one, job in zip((runs.a, runs.b), pair.jobs, strict=True)]
     end_m = _place_m(pair, tables)
     films = []

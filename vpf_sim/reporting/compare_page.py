@@ -6,7 +6,7 @@ from typing import Any
 from vpf_sim.evaluation.analysis.comparisons import succeeded
 from vpf_sim.evaluation.analysis.statistics import share_interval
 from vpf_sim.evaluation.sweeps.run_folder import change
-from vpf_sim.reporting import answer, changes, failures, interval_chart
+from vpf_sim.reporting import answer, changes, failures, interval_chart, video
 from vpf_sim.reporting.cells import NONE, formatted, interval_text, shown
 from vpf_sim.reporting.interval_chart import Dot
 from vpf_sim.reporting.tables import Table, Value
@@ -21,6 +21,7 @@ def make(runs: TwoRuns, count: int, notify: Callable[[str], None]) -> str:
     """The page as HTML, with pictures of up to `count` episodes; `notify` receives progress messages."""
     overall, cells = compared(runs.pairs), runs.cells()
     chosen = changes.choose(runs.pairs, count)
+    video.can_film(len(chosen), notify)
     return render(
         "compare.html.jinja",
         title=title(runs),

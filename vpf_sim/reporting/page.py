@@ -102,8 +102,7 @@ def _failures(run_data: RunData) -> dict[str, Any]:
 
 def _clips(run_data: RunData, count: int, notify: Notify) -> list[Clip]:
     """Clips of failures, or of a success; those that cannot be re-rendered are skipped."""
-    if count and not video.is_available():
-        notify(f"no videos: PyAV is not installed: {video.INSTALL}")
+    if not video.can_film(count, notify):
         return []
     chosen = clips.choose(run_data.records.values(), run_data.order.drivers, count)
     made = []

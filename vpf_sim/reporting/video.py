@@ -1,6 +1,6 @@
 """Writes frames to an .mp4 that browsers play."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from fractions import Fraction
 from pathlib import Path
@@ -24,6 +24,13 @@ INSTALL = "pip install 'vpf_sim[video]'"
 def is_available() -> bool:
     """Whether videos can be written and read."""
     return av is not None
+
+
+def can_film(count: int, notify: Callable[[str], None]) -> bool:
+    """Whether `count` videos can be written; `notify` receives why not."""
+    if count and not is_available():
+        notify(f"no videos: PyAV is not installed: {INSTALL}")
+    return count > 0 and is_available()
 
 
 def require(what: str) -> None:
