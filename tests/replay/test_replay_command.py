@@ -1,6 +1,8 @@
 """`vpf-sim replay` on your own recordings: folder, table, page, and messages about missing data."""
 
+import html
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -72,6 +74,22 @@ def test_folder_has_records_timing_video_and_page(run: Path) -> None:
     assert "no recording" in page
     assert page.count("<figcaption>") == 6  # the video, throttle, steering, focus of expansion in x and y, speed
     assert "data:video/mp4;base64," in page
+
+
+def test_page_begins_with_the_users_drive_and_ends_with_cells_of_the_paper_without_a_recording(run: Path) -> None:
+    page = html.unescape((run / "report.html").read_text())
+    assert "<h1>What vpf would have done on bend</h1>" in page
+    (poster,) = re.findall(r'<video [^>]*poster="(data:image/jpeg;base64,[^"]+)" src="data:video', page)
+    assert len(poster) > 1000
+    drive, *tables = page[page.index('<section class="drive">') :].split('<details id="table')
+    assert "steering agrees with the human's to 99." in drive
+    assert drive.count("<video") == 1
+    assert all("open" not in table[:20] for table in tables if "<h2>Warnings</h2>" not in table)
+    assert "<h2>Throttle and steering beside the human's</h2>" in tables[-1]
+    body = tables[-1][tables[-1].index("<tbody>") :]
+    rows = re.findall(r"<tr( class=\"without\")?>(.*)</tr>", body)
+    assert [bool(small) for small, _ in rows] == [False, *(5 * [True])]
+    assert ["no recording" in row for _, row in rows] == [False, *(5 * [True])]
 
 
 def test_resume_skips_finished_drives(drive: Path, run: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,8 +1,10 @@
-"""The report: one self-contained page with the numbers of the summary."""
+"""The report: one self-contained page that begins with its answer, with the numbers of the summary."""
 
 import json
+import os
 import re
 import shutil
+from datetime import date, datetime
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -15,8 +17,10 @@ from short_scenario import SHORT
 from vpf_sim import cli
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.analysis.benchmark import with_paper
+from vpf_sim.evaluation.analysis.statistics import paired_shares, share_interval
 from vpf_sim.evaluation.analysis.summary import summarize
 from vpf_sim.evaluation.episode import episode
+from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import RunFolder, manifest
 from vpf_sim.reporting import answer, cells, clips, page
@@ -29,7 +33,7 @@ ORDER = Order(("town04-clean", "town04"), ("clear", "rain"), ("vpf", "pid"))
 
 
 class Reader(HTMLParser):
-    """Whether tags are closed in order, what the page refers to, and the numbers of its main table."""
+    """Whether tags are closed in order, what the page refers to, its parts, and the numbers of its main table."""
 
     def __init__(self, html: str) -> None:
         super().__init__()
@@ -37,6 +41,8 @@ class Reader(HTMLParser):
         self.links: list[str] = []
         self.tags: list[str] = []
         self.data: list[tuple[float, str]] = []  # exact, shown
+        self.parts: list[tuple[str, bool]] = []  # id of each section and details, and whether it is open
+        self.media: list[dict[str, str | None]] = []
         self._exact: float | None = None
         self.feed(html)
         assert self.stack == []
@@ -45,6 +51,10 @@ class Reader(HTMLParser):
         self.tags.append(tag)
         found = dict(attrs)
         self.links += [value or "" for key, value in attrs if key in ("href", "src", "poster", "srcset", "xlink:href")]
+        if tag in ("section", "details"):
+            self.parts.append((found["id"] or "", tag == "section" or "open" in found))
+        if tag in ("video", "img", "audio", "source"):
+            self.media.append(found)
         if tag == "data":
             self._exact = float(found["value"] or "nan")
         if tag not in VOID:
@@ -97,16 +107,69 @@ def test_the_page_is_complete_and_loads_nothing(written: Path) -> None:
     reader = Reader(html)
     assert {tag: reader.tags.count(tag) for tag in ("h1", "video", "script")} == {"h1": 1, "video": 1, "script": 0}
     assert all(link.startswith(("#", "data:")) for link in reader.links)
-    anchors = {link for link in reader.links if link.startswith("#")}
-    assert anchors == {f"#{name}" for name in re.findall(r'<section id="(\w+)">', html)} - {"#paper"}
     shown = re.sub(r'"data:[^"]*"', "", html)
     for loading in ("http:", "https:", "//", "url(", "@import", "srcset"):
         assert loading not in shown, loading
 
 
+def test_answer_and_films_come_first_and_all_but_the_results_is_folded(written: Path) -> None:
+    parts = Reader(written.read_text()).parts
+    assert [name for name, is_open in parts if is_open] == ["answer", "films", "results"]
+    assert [name for name, _ in parts[:3]] == ["answer", "films", "results"]
+    folded = [name for name, is_open in parts if not is_open]
+    assert {"failures", "paths", "commands", "scores", "accuracy", "made"} <= set(folded)
+    assert len(set(folded)) == len(folded)
+
+
+def test_the_answer_has_a_picture(written: Path) -> None:
+    html = written.read_text()
+    answer_part = html[html.index('<section id="answer">') : html.index('<section id="films">')]
+    assert answer_part.count("<svg") == 1
+    assert "Episodes that reached the goal" in answer_part
+
+
+def test_no_film_is_empty(written: Path) -> None:
+    media = Reader(written.read_text()).media
+    assert len(media) == 1
+    for one in media:
+        assert (one["src"] or "").startswith("data:video/mp4;base64,")
+        assert (one["poster"] or "").startswith("data:image/jpeg;base64,")
+
+
+def test_without_videos_there_is_no_section_of_films(run: Path) -> None:
+    html = page.make(open_run(run), 0, lambda _: None)
+    assert [name for name, _ in Reader(html).parts[:2]] == ["answer", "results"]
+    assert "<video" not in html
+
+
+def test_the_title_says_what_is_compared_where_and_when(run: Path, tmp_path: Path) -> None:
+    for name in ("manifest.json", "episodes.jsonl", "timing.jsonl"):
+        shutil.copy(run / name, tmp_path)
+    began = datetime(2026, 3, 7, 12).timestamp()
+    os.utime(tmp_path / "manifest.json", (began, began))
+    expected = "vpf against pid on open and barred — clear — seeds 3:5 — 7 Mar 2026"
+    html = page.make(open_run(tmp_path), 0, lambda _: None)
+    assert f"<title>{expected}</title>" in html
+    assert f"<h1>{expected}</h1>" in html
+
+
+@pytest.mark.parametrize(
+    ("plan", "expected"),
+    [
+        (Plan(("town04",), ("rain",), ("vpf",), "7:8"), "vpf on town04 — rain — seed 7"),
+        (Plan(("a.toml",), ("clear", "rain"), ("x", "y", "z"), "0:2"), "x, y and z on a — clear, rain — seeds 0:2"),
+        (Plan(tuple("abcdef"), ("clear",), ("x",), "0:2"), "x on a, b, c and 3 others — clear — seeds 0:2"),
+        (Plan(("a",), ("clear",), ("x",), "0:9", (("a", "clear", 1), ("a", "clear", 8))), "x on a — clear — 2 drives"),
+    ],
+)
+def test_titles_name_a_few(plan: Plan, expected: str) -> None:
+    assert answer.title(plan) == expected
+    assert answer.title(plan, date(2026, 11, 26)) == f"{expected} — 26 Nov 2026"
+
+
 def test_its_numbers_are_the_summarys(run: Path, written: Path) -> None:
     html = written.read_text()
-    main = Reader(html[html.index('<table class="main">') : html.index("</table>") + len("</table>")])
+    main = Reader(re.findall(r'<table class="main">.*?</table>', html, re.DOTALL)[0])
     expected = []
     order = Order(*(tuple(open_run(run).manifest["plan"][key]) for key in ("scenario", "weather", "driver")))
     for row in sorted(rows_of(run), key=order.place):
@@ -207,7 +270,7 @@ def row(driver: str, scenario: str, successes: int, mse: float | None = None, **
     }
 
 
-def test_the_answer_has_successes_and_the_papers_mse() -> None:
+def test_the_answer_has_successes_with_intervals_and_the_papers_mse() -> None:
     paper = {"path_mse_m2": 0.74, "throttle": 0.7851, "steering": 0.7167}
     rows = [
         row("pid", "town04", 0),
@@ -215,14 +278,25 @@ def test_the_answer_has_successes_and_the_papers_mse() -> None:
         row("vpf", "town04", 4, 0.4283, paper=paper),
         row("vpf", "town04-clean", 5, 0.001),
     ]
-    first, second, third = answer.sentences("benchmark", rows, ORDER)
-    assert first.startswith("Not always: vpf, ")
-    assert answer.sentences("benchmark", [row("vpf", "town04", 5)], ORDER)[0].startswith("Yes: vpf, ")
-    assert answer.sentences("benchmark", [row("vpf", "town04", 0)], ORDER)[0].startswith("No: vpf, ")
-    assert answer.sentences("sweep", rows, ORDER)[0].startswith("vpf, "), "no yes or no for several drivers"
-    assert first.endswith("9 of 10 episodes reached the goal; 4 of 5 on town04 in clear, all in the others.")
-    assert second.endswith("5 of 10 episodes reached the goal; 0 of 5 on town04 in clear, all in the others.")
+    jobs = [Job("town04", "clear", driver, seed) for seed in range(10) for driver in ORDER.drivers]
+    records = {job.id: {"status": "success"} for job in jobs if job.driver == "vpf" or job.seed < 4}
+    against = answer.of_two(jobs, records, ORDER)
+    assert against == paired_shares(np.ones(10, bool), np.arange(10) < 4)
+    success, same_seeds, third = answer.sentences(rows, ORDER, against, "benchmark")
+    low, high = (f"{100.0 * end:.0f}" for end in share_interval(9, 10))
+    assert success.startswith(
+        f"vpf reached the goal in 9 of 10 episodes (95 % interval: {low} to {high} %), pid in 5 of 10"
+    )
+    assert same_seeds.startswith("On the same seeds vpf reached it 60 percentage points more often than pid (")
+    assert same_seeds.endswith("p = 0.031).")
     assert third.startswith("Path MSE of vpf, m²: 0.428 (clear, with obstacles; paper 0.74).")
+    assert len(answer.sentences(rows, ORDER, against)) == 2, "the paper's is for its benchmark"
+
+
+def test_the_answer_of_one_driver_says_where_it_failed() -> None:
+    rows = [row("vpf", "town04", 4), row("vpf", "town04-clean", 5)]
+    (only,) = answer.sentences(rows, Order(("town04-clean", "town04"), ("clear",), ("vpf",)), None)
+    assert only.endswith(" %): 4 of 5 on town04 in clear, all in the others.")
 
 
 def test_a_driver_without_success_is_scored_in_grey() -> None:
@@ -268,6 +342,8 @@ def test_each_kind_of_failure_has_a_clip_before_any_has_two() -> None:
     assert chosen == ["town04.vpf.7", "town04.vpf.9", "slalom.pid.1", "town04.pid.1"]
     assert len(clips.choose(found, ["vpf", "pid"], 9)) == 5
     assert clips.choose(found, ["vpf", "pid"], 0) == []
+    good = [failed("pid", "success", 2), failed("vpf", "success", 4), failed("vpf", "success", 3)]
+    assert [record["id"] for record in clips.choose(good, ["vpf", "pid"], 4)] == ["town04.vpf.3"], "one if all succeed"
 
 
 @pytest.mark.skipif(chromium.program() is None, reason="no chromium on this machine")
@@ -277,11 +353,26 @@ def test_a_browser_shows_the_page_without_requests(written: Path, tmp_path: Path
         await new Promise((done) => setTimeout(done, 300));
         return [video.readyState, video.duration, video.currentTime > 0];
     }))"""
+    unfolded = """(() => {
+        document.querySelectorAll("details").forEach((part) => { part.open = true; });
+        return document.documentElement.scrollHeight;
+    })()"""
+    overlaps = """[...document.querySelectorAll("svg")].flatMap((chart) => {
+        const labels = [...chart.querySelectorAll("text:not(.cross)")].map((label) => label.getBoundingClientRect());
+        const outer = chart.getBoundingClientRect();
+        const beside = (a, b) => a.right < b.left + 1 || b.right < a.left + 1;
+        const above = (a, b) => a.bottom < b.top + 4 || b.bottom < a.top + 4;
+        const apart = (a, b) => beside(a, b) || above(a, b);
+        const inside = (a) => a.left > outer.left - 1 && a.right < outer.right + 1;
+        const bad = labels.some((a, i) => !inside(a) || labels.slice(0, i).some((b) => !apart(a, b)));
+        return bad ? [chart.getAttribute("aria-label")] : [];
+    })"""
     with chromium.browser(tmp_path / "profile") as tab:
-        for width in (1280, 375):
+        for width in (1280, 390):
             tab.open(written, width)
             assert tab.ask("document.documentElement.scrollWidth") == width, "nothing sticks out"
-            assert tab.ask("document.querySelectorAll('main section').length") >= 7
+            assert tab.ask("document.documentElement.scrollHeight") < tab.ask(unfolded) / 2, "most of it is folded"
+            assert tab.ask(overlaps) == []
             (video,) = tab.ask(play)
             assert video[0] >= 3
             assert video[1] == pytest.approx(clip_length_s(written), abs=0.1)

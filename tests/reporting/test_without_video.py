@@ -29,7 +29,7 @@ def test_a_sweep_is_driven_and_reported(tmp_path: Path, capsys: pytest.CaptureFi
     (tmp_path / "run" / "episodes.jsonl").write_text(f"{spoilt}\n", "utf-8")
     capsys.readouterr()
     assert cli.run(["report", "run"]) == 0
-    assert f"no videos of failures: PyAV is not installed: {video.INSTALL}" in capsys.readouterr().err
+    assert f"no videos: PyAV is not installed: {video.INSTALL}" in capsys.readouterr().err
     page = (tmp_path / "run" / "report.html").read_text("utf-8")
     assert "<video" not in page
     assert "vpf_sim[video]" in page

@@ -1,4 +1,4 @@
-"""A run as one HTML page."""
+"""A run, or two compared, as one HTML page."""
 
 import sys
 
@@ -11,24 +11,43 @@ from vpf_sim.files import write_text
 CLIPS = 4
 
 
-def report(run: Run | StrPath, *, out: StrPath | None = None, clips: int = CLIPS) -> Run:
+def report(
+    run: Run | StrPath, other: Run | StrPath | None = None, *, out: StrPath | None = None, clips: int = CLIPS
+) -> Run:
     """Write a run's report: one offline HTML file with tables, charts and videos of failures.
 
     >>> vpf_sim.report("runs/latest").page
     PosixPath('runs/20260301-101500-sweep/report.html')
 
-    `out` is the file, by default report.html in the run folder; `clips` is the number of videos. Returns the run, whose
-    `page` is the file. Raises InputError where the folder holds no run.
+    With an `other` run, the page compares it with the first, episode by episode: what got better, what got worse, and
+    pictures of what changed.
+
+    `out` is the file, by default report.html in the run folder, or compare.html in that of `other`; `clips` is the
+    number of videos, or of changed episodes. Returns the run, or `other`, whose `page` is the file. Raises InputError
+    where a folder holds no run, and where two runs share no episode.
     """
-    from vpf_sim.reporting import page
+    from vpf_sim.reporting import compare_page, page
     from vpf_sim.reporting.stored_run import open_run
+    from vpf_sim.reporting.two_runs import open_two
 
     if type(clips) is not int or clips < 0:
         raise InputError(f"{option('clips')}: expected a whole number >= 0, got {shown(clips)}")
     file = output_file("out", out)
-    found = run if isinstance(run, Run) else Run(run)
+    found = _opened(run)
     with one_thread():
-        html = page.make(open_run(found.path), clips, lambda line: print(line, file=sys.stderr, flush=True))
-    file = file or found.path / "report.html"
+        if other is None:
+            html = page.make(open_run(found.path), clips, _notify)
+        else:
+            first, found = found.path, _opened(other)
+            html = compare_page.make(open_two(first, found.path), clips, _notify)
+    file = file or found.path / ("report.html" if other is None else "compare.html")
     write_text(file, html)
     return Run(found.path, file)
+
+
+def _opened(run: Run | StrPath) -> Run:
+    return run if isinstance(run, Run) else Run(run)
+
+
+def _notify(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)

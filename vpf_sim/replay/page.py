@@ -1,23 +1,25 @@
-"""The HTML page of a replay: tables, plots and videos; it opens offline."""
+"""The HTML page of a replay: the drives, the user's own first, then tables; it opens offline."""
 
-from base64 import b64encode
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from vpf_sim.files import write_text
 from vpf_sim.replay import frame_table
+from vpf_sim.replay.answer import drive_of, title
 from vpf_sim.replay.plots import OURS, THEIRS, plots
+from vpf_sim.replay.readers import general
 from vpf_sim.replay.run_files import table_path, video_path
 from vpf_sim.replay.tables import tables
-from vpf_sim.reporting.chart import legend_key
+from vpf_sim.reporting import video as videos
+from vpf_sim.reporting.pictures import data_uri, jpeg
+from vpf_sim.reporting.templates import render
 
 NAME = "report.html"
 MOST_INSIDE_BYTES = 4_000_000  # of an embedded video; larger ones are linked
+POSTER_QUALITY = 70  # of JPEG
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,35 +27,42 @@ class Drive:
     """One drive's section of the page."""
 
     name: str
+    answer: str
     video: str  # a data URI, a path beside the page, or empty
+    poster: str  # a data URI of a frame, or empty
     beside: bool
     plots: list[tuple[str, Markup]]
 
 
 def write(folder: Path, records: list[dict[str, Any]], timing: dict[str, Any], summary: dict[str, Any]) -> Path:
     """Write the page of a replay folder and return its path."""
-    drives = [_drive(folder, record) for record in records]
-    driver = records[0]["driver"] if records else ""
-    text = _render(driver=driver, tables=tables(records, timing, summary), drives=drives, ours=OURS, theirs=THEIRS)
+    ordered = sorted(records, key=lambda record: record["layout"] != general.LAYOUT)  # one's own before published ones
+    text = render(
+        "page.html.jinja",
+        "vpf_sim.replay",
+        title=title(ordered),
+        tables=tables(ordered, timing, summary),
+        drives=[_drive(folder, record) for record in ordered],
+        ours=OURS,
+        theirs=THEIRS,
+    )
     write_text(folder / NAME, text)
     return folder / NAME
 
 
 def _drive(folder: Path, record: dict[str, Any]) -> Drive:
     name, kinds = record["name"], {signal: origin["kind"] for signal, origin in record["origins"].items()}
-    video = video_path(folder, name)
     drawn = plots(frame_table.read(table_path(folder, name)), kinds)
-    if not video.exists():
-        return Drive(name, "", False, drawn)
-    if video.stat().st_size > MOST_INSIDE_BYTES:
-        return Drive(name, video.relative_to(folder).as_posix(), True, drawn)
-    inside = b64encode(video.read_bytes()).decode("ascii")
-    return Drive(name, f"data:video/mp4;base64,{inside}", False, drawn)
+    source, poster, beside = _video(folder, video_path(folder, name))
+    return Drive(name, drive_of(record), source, poster, beside, drawn)
 
 
-def _render(**content: Any) -> str:
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.globals["key"] = legend_key
-    style = files("vpf_sim.reporting").joinpath("report.css.jinja").read_text("utf-8")
-    template = files("vpf_sim.replay").joinpath("page.html.jinja").read_text("utf-8")
-    return environment.from_string(template).render(style=Markup(environment.from_string(style).render()), **content)
+def _video(folder: Path, file: Path) -> tuple[str, str, bool]:
+    """Address and poster of a video, and whether it lies beside the page; empty without one."""
+    if not file.exists():
+        return "", "", False
+    frame = videos.middle_frame(file)
+    poster = "" if frame is None else data_uri("image/jpeg", jpeg(frame, POSTER_QUALITY))
+    if file.stat().st_size > MOST_INSIDE_BYTES:
+        return file.relative_to(folder).as_posix(), poster, True
+    return data_uri("video/mp4", file.read_bytes()), poster, False

@@ -31,14 +31,15 @@ class Table:
     rows: tuple[tuple[str, ...], ...]
     words: int = 1
     notes: tuple[str, ...] = ()
+    empty: int = 0  # rows at the end without a recording
 
 
 def tables(
     records: Sequence[dict[str, Any]], timing: Mapping[str, dict[str, Any]], summary: dict[str, Any]
 ) -> list[Table]:
-    """All tables with rows."""
+    """All tables with rows; the paper's comes last."""
     found = [
-        real_images(summary["rows"], summary["differences"]),
+        warnings(records),
         drives(records),
         origins(records),
         lanes(records),
@@ -46,13 +47,13 @@ def tables(
         perception(records),
         compute(records, timing),
         mountings(records),
-        warnings(records),
+        real_images(summary["rows"], summary["differences"]),
     ]
     return [table for table in found if table.rows]
 
 
 def real_images(rows: Sequence[dict[str, Any]], differences: Sequence[str]) -> Table:
-    """Commands beside the human's and the paper's cells."""
+    """Commands beside the human's and the paper's cells; those without a recording come last."""
     names = ("weather", "part", "signals", "drives")
     scores = ("range", "span", "tol.", "mae", "idle")
     of_both = [f"{signal} {score}" for signal in ("a", "δ") for score in scores]
@@ -63,7 +64,11 @@ def real_images(rows: Sequence[dict[str, Any]], differences: Sequence[str]) -> T
         *differences,
     )
     header = (*names, "frames", "unseen %", *of_both, "paper a", "paper δ")
-    return Table("Throttle and steering beside the human's", header, tuple(map(_score, rows)), len(names), notes)
+    ordered = sorted(rows, key=lambda row: not row["frames"])
+    empty = sum(not row["frames"] for row in rows)
+    return Table(
+        "Throttle and steering beside the human's", header, tuple(map(_score, ordered)), len(names), notes, empty
+    )
 
 
 def _score(row: dict[str, Any]) -> tuple[str, ...]:

@@ -1,6 +1,5 @@
-"""Short video clips of failures, small enough to embed in a page."""
+"""Short video clips of episodes, small enough to embed in a page."""
 
-from base64 import b64encode
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -8,9 +7,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import cv2
+import numpy as np
 
 from vpf_sim.reporting import episode_view
-from vpf_sim.reporting.pictures import jpeg
+from vpf_sim.reporting.pictures import data_uri, jpeg
 from vpf_sim.reporting.redraw import redrawing
 from vpf_sim.reporting.stored_run import Record, StoredRun
 from vpf_sim.reporting.video import Writer
@@ -24,7 +24,7 @@ POSTER_QUALITY = 70  # of JPEG
 
 @dataclass(frozen=True, slots=True)
 class Clip:
-    """A video of the end of an episode."""
+    """A video of a part of an episode."""
 
     episode: str
     ending: str
@@ -36,10 +36,11 @@ class Clip:
 
 
 def choose(records: Iterable[Record], drivers: Sequence[str], count: int) -> list[Record]:
-    """Up to `count` unsuccessful episodes, different kinds of failure and cells first."""
+    """Up to `count` unsuccessful episodes, different kinds of failure and cells first; one success if there is none."""
     order = {driver: number for number, driver in enumerate(drivers)}
-    failed = [record for record in records if record["status"] != "success" and record["steps"] > 0]
-    failed.sort(key=lambda record: (order.get(record["driver"], len(order)), record["seed"], record["id"]))
+    driven = [record for record in records if record["steps"] > 0]
+    driven.sort(key=lambda record: (order.get(record["driver"], len(order)), record["seed"], record["id"]))
+    failed = [record for record in driven if record["status"] != "success"] or driven[:1]
     kinds: Counter[tuple[str, ...]] = Counter()
     cells: Counter[tuple[str, ...]] = Counter()
     ranked = []
@@ -52,17 +53,19 @@ def choose(records: Iterable[Record], drivers: Sequence[str], count: int) -> lis
     return [record for *_, record in sorted(ranked, key=lambda item: item[:2])[:count]]
 
 
-def make(run: StoredRun, record: Record) -> Clip:
-    """Re-render the episode and encode its end."""
+def make(run: StoredRun, record: Record, until_m: float | None = None) -> Clip:
+    """Re-render the episode and encode its end, or the seconds before `until_m` of the route."""
     drawn = redrawing(run, record["id"], replan=True)
     last = len(drawn.table)
+    if until_m is not None and drawn.table.route_m[-1] > until_m:
+        last = int(np.argmax(drawn.table.route_m > until_m))
     first, stride = max(0, last - round(LENGTH_S * drawn.rate_hz)), max(1, round(drawn.rate_hz / RATE_HZ))
     size = tuple(round(SCALE * side / 2) * 2 for side in episode_view.size_px(drawn.camera))
     width, height = size
     with TemporaryDirectory() as folder:
         path = Path(folder) / "clip.mp4"
         with Writer(path, (width, height), drawn.rate_hz / stride, CRF) as writer:
-            for _, frame in episode_view.frames(drawn, lambda row: row >= first and (last - row) % stride == 0):
+            for _, frame in episode_view.frames(drawn, lambda row: first <= row <= last and (last - row) % stride == 0):
                 small: Image = cv2.resize(frame, (width, height), interpolation=cv2.INTER_AREA)  # type: ignore[assignment]
                 writer.write(small)
         video = path.read_bytes()
@@ -70,12 +73,8 @@ def make(run: StoredRun, record: Record) -> Clip:
         record["id"],
         episode_view.ending(drawn),
         tuple(drawn.remarks),
-        _uri("video/mp4", video),
-        _uri("image/jpeg", jpeg(small, POSTER_QUALITY)),
+        data_uri("video/mp4", video),
+        data_uri("image/jpeg", jpeg(small, POSTER_QUALITY)),
         width,
         height,
     )
-
-
-def _uri(kind: str, content: bytes) -> str:
-    return f"data:{kind};base64,{b64encode(content).decode('ascii')}"

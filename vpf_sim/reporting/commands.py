@@ -18,17 +18,16 @@ LEAST = 0.3  # least range of an axis
 class CommandCharts:
     """The command charts of one episode."""
 
-    driver: str
     episode: str
     throttle: Markup
     steering: Markup
 
 
-def charts(driver: str, episode: str, style: str, table: StepTable) -> CommandCharts:
+def charts(episode: str, style: str, table: StepTable) -> CommandCharts:
     """The driver's commands, the PID's in the same states, and those of its own run at the same distances."""
     throttle = _chart(table, (table.throttle, table.pid_throttle, table.paired_throttle), style, "throttle", episode)
     steering = _chart(table, (table.steering, table.pid_steering, table.paired_steering), style, "steering", episode)
-    return CommandCharts(driver, episode, throttle, steering)
+    return CommandCharts(episode, throttle, steering)
 
 
 def _chart(table: StepTable, series: tuple[Floats, Floats, Floats], style: str, name: str, episode: str) -> Markup:

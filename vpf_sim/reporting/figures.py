@@ -36,14 +36,14 @@ class Section:
     title: str
     drivers: tuple[str, ...]
     paths: tuple[Chart, ...]
-    commands: tuple[CommandCharts, ...]
 
 
 @dataclass(slots=True)
 class Sections:
-    """The drawn sections, and reasons for those left out."""
+    """The drawn sections, the charts of commands, and reasons for those left out."""
 
     drawn: list[Section] = field(default_factory=list)
+    commands: list[CommandCharts] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
 
 
@@ -73,9 +73,10 @@ def _add(found: Sections, run_data: RunData, scenario: str, weather: str, title:
         found.left_out.append(f"{title}: {error}")
         return
     first = [record for record in here if record["seed"] == seeds[0] and record["driver"] != "pid"]
-    beside = tuple(_commands(run_data.run, run_data.order, first)) if len(found.drawn) < MOST_COMMANDS else ()
+    if len(found.drawn) < MOST_COMMANDS:
+        found.commands += _commands(run_data.run, run_data.order, first)
     drivers = tuple(dict.fromkeys(record["driver"] for record in here))
-    found.drawn.append(Section(title, drivers, tuple(paths.charts(where, tracks, title)), beside))
+    found.drawn.append(Section(title, drivers, tuple(paths.charts(where, tracks, title))))
 
 
 def _tracks(run_data: RunData, records: Sequence[Record]) -> Iterator[Track]:
@@ -90,7 +91,7 @@ def _commands(run: StoredRun, order: Order, records: Sequence[Record]) -> Iterat
     for record in records:
         table = run.steps(record["id"])
         if table is not None:
-            yield commands.charts(record["driver"], record["id"], order.style(record["driver"]), table)
+            yield commands.charts(record["id"], order.style(record["driver"]), table)
 
 
 def scores(rows: Sequence[Row], order: Order) -> Iterator[Chart]:

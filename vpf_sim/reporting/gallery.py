@@ -4,10 +4,7 @@ import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from importlib.resources import files
 from pathlib import Path
-
-from jinja2 import Environment, StrictUndefined
 
 from vpf_sim.envs.camera import Weather
 from vpf_sim.errors import InputError
@@ -16,6 +13,7 @@ from vpf_sim.evaluation.rendering.poses import POSES, SEED, Pose, video_drive
 from vpf_sim.evaluation.weather.weather_meaning import aliases, factors, in_words
 from vpf_sim.files import file_name, write_bytes, write_text
 from vpf_sim.reporting.pictures import jpeg
+from vpf_sim.reporting.templates import render
 from vpf_sim.reporting.video import Writer, require
 from vpf_sim.types import Image
 
@@ -47,9 +45,7 @@ class Entry:
 
 def page(entries: Sequence[Entry]) -> str:
     """The page as HTML, one row per weather and one column per pose."""
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    template = files("vpf_sim.reporting").joinpath("gallery.html.jinja").read_text("utf-8")
-    return environment.from_string(template).render(entries=entries)
+    return render("gallery.html.jinja", entries=entries)
 
 
 def make(folder: Path, weathers: Sequence[Weather], workers: int, notify: Callable[[Entry], None]) -> Path:

@@ -9,7 +9,9 @@ from markupsafe import Markup
 from vpf_sim.reporting.chart import Axis, Plot, reach, ticks
 
 WIDTH = 360.0
-ROW, HEAD, FOOT, NAMES = 20.0, 20.0, 18.0, 92.0  # px
+ROW, HEAD, FOOT = 20.0, 20.0, 18.0  # px
+LETTER = 6.4  # px of a driver's name, for each letter
+MOST_LETTERS = 22  # of a name
 APART = 7.0  # between the weathers of a row
 FAR_OUT = 46.0  # px between the labels of values beyond the axis
 MARKS = ((False, False), (True, True), (False, True), (True, False))  # of each weather: (diamond, hollow)
@@ -45,7 +47,8 @@ def chart(dots: Sequence[Dot], marks: Sequence[Mark], label: str, ends: tuple[fl
     low, high = ends or _ends(dots, marks)
     tall = HEAD * len(heads) + ROW * len(rows)
     plot = Plot(WIDTH, tall + FOOT, Axis(low, high, ticks=ticks(low, high, 5)), Axis(tall, 0.0, ticks=(-1.0,)))
-    plot.margins = (NAMES, 14.0, 0.0, FOOT)
+    names = LETTER * max(len(_short(driver)) for _, driver in rows) + 14.0
+    plot.margins = (names, 14.0, 0.0, FOOT)
     _rules(plot, tall)
     down = 0.0
     for scenario in heads:
@@ -55,10 +58,15 @@ def chart(dots: Sequence[Dot], marks: Sequence[Mark], label: str, ends: tuple[fl
             _mark(plot, mark, down + 6.0, down + HEAD + ROW * len(here))
         down += HEAD
         for driver in here:
-            plot.text(driver, NAMES - 8.0, down + 0.5 * ROW + 3.5, "label", "end")
+            plot.text(_short(driver), names - 8.0, down + 0.5 * ROW + 3.5, "label", "end")
             _row(plot, [dot for dot in dots if (dot.scenario, dot.driver) == (scenario, driver)], down + 0.5 * ROW)
             down += ROW
     return plot.svg(label)
+
+
+def _short(name: str) -> str:
+    """A name that fits: the end of a long one distinguishes files and classes."""
+    return name if len(name) <= MOST_LETTERS else f"…{name[1 - MOST_LETTERS :]}"
 
 
 def _ends(dots: Sequence[Dot], marks: Sequence[Mark]) -> tuple[float, float]:

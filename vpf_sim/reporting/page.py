@@ -1,11 +1,7 @@
 """The report of a run: one self-contained HTML file without scripts."""
 
 from collections.abc import Callable
-from importlib.resources import files
 from typing import Any
-
-from jinja2 import Environment, StrictUndefined
-from markupsafe import Markup
 
 from vpf_sim.errors import InputError
 from vpf_sim.reporting import (
@@ -21,13 +17,14 @@ from vpf_sim.reporting import (
     video,
 )
 from vpf_sim.reporting.cells import shown
-from vpf_sim.reporting.chart import legend_key
 from vpf_sim.reporting.clips import Clip
 from vpf_sim.reporting.run_data import RunData
 from vpf_sim.reporting.stored_run import StoredRun
+from vpf_sim.reporting.templates import render
 from vpf_sim.shell import command
 
 MOST_LISTED = 40  # groups of failures
+MOST_OPEN = 6  # pairs of scenario and weather of a table that is not folded
 Notify = Callable[[str], None]
 
 
@@ -36,28 +33,18 @@ def make(run: StoredRun, clip_count: int, notify: Notify) -> str:
     run_data = RunData.of(run)
     notify("drawing the paths and commands")
     content = {**_headline(run_data), **_charts(run_data), **_tables(run_data), **_failures(run_data)}
-    return render({**content, "clips": _clips(run_data, clip_count, notify)})
-
-
-def render(content: dict[str, Any]) -> str:
-    """Fill the template."""
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.globals["key"] = legend_key
-    environment.filters["shown"] = shown
-    folder = files("vpf_sim.reporting")
-    style = Markup(environment.from_string(folder.joinpath("report.css.jinja").read_text("utf-8")).render())
-    template = environment.from_string(folder.joinpath("report.html.jinja").read_text("utf-8"))
-    return template.render(style=style, **content)
+    return render("report.html.jinja", **content, clips=_clips(run_data, clip_count, notify))
 
 
 def _headline(run_data: RunData) -> dict[str, Any]:
-    """The headline, and the run's plan and fingerprint."""
+    """The title, the answer, and the run's plan and fingerprint."""
+    against = answer.of_two(run_data.jobs, run_data.records, run_data.order)
     return {
         "command": run_data.command,
         "plan": run_data.plan,
         "order": run_data.order,
-        "question": answer.question(run_data.command, run_data.order),
-        "answers": answer.sentences(run_data.command, run_data.rows, run_data.order),
+        "title": answer.title(run_data.plan, run_data.run.begun),
+        "answers": answer.sentences(run_data.rows, run_data.order, against, run_data.command),
         "driven": len(run_data.records),
         "planned": len(run_data.jobs),
         "folder": str(run_data.run.path),
@@ -72,6 +59,7 @@ def _charts(run_data: RunData) -> dict[str, Any]:
     found = figures.sections(run_data)
     return {
         "sections": found.drawn,
+        "commands": found.commands,
         "left_out": found.left_out,
         "dots": list(figures.scores(run_data.rows, run_data.order)),
         "marks": interval_chart.SIGNS,
@@ -84,6 +72,7 @@ def _tables(run_data: RunData) -> dict[str, Any]:
     return {
         "columns": cells.MAIN,
         "groups": cells.groups(rows, order),
+        "open_groups": MOST_OPEN,
         "has_paper": any(row.get("paper") for row in rows),
         "accuracies": [(name, accuracy.by_definition(rows, order, name)) for name in accuracy.SIGNALS],
         "parts": accuracy.by_part(rows, order),
@@ -106,16 +95,16 @@ def _failures(run_data: RunData) -> dict[str, Any]:
     return {
         "video_remedy": "" if video.is_available() else video.INSTALL,
         "failures": [(ending, failures.ranges(ending.seeds)) for ending in found[:MOST_LISTED]],
+        "failed": len(run_data.failures()),
         "unlisted": sum(len(ending.seeds) for ending in found[MOST_LISTED:]),
     }
 
 
 def _clips(run_data: RunData, count: int, notify: Notify) -> list[Clip]:
-    """Clips of failures; those that cannot be re-rendered, as without the scenario's file, are skipped."""
-    if count and not video.is_available():
-        notify(f"no videos of failures: PyAV is not installed: {video.INSTALL}")
+    """Clips of failures, or of a success; those that cannot be re-rendered are skipped."""
+    if not video.can_film(count, notify):
         return []
-    chosen = clips.choose(run_data.failures(), run_data.order.drivers, count)
+    chosen = clips.choose(run_data.records.values(), run_data.order.drivers, count)
     made = []
     for number, record in enumerate(chosen, start=1):
         notify(f"rendering {record['id']}, clip {number} of {len(chosen)}")

@@ -5,7 +5,6 @@ from base64 import b64encode
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import numpy as np
 
 from vpf_sim.evaluation.analysis import reproduction
@@ -18,6 +17,7 @@ from vpf_sim.reporting import paper_figures
 from vpf_sim.reporting.redraw import Redrawing
 from vpf_sim.reporting.road_layout import layouts
 from vpf_sim.reporting.stored_run import StoredRun
+from vpf_sim.reporting.templates import render
 
 JSON, PAGE = "paper.json", "paper.html"
 NO_OBSTACLE_M = 40.0  # along the route, where to take the picture on a road without obstacles
@@ -53,11 +53,8 @@ def write(folder: Path, drives: list[Drive], found: dict[str, Any]) -> Path:
     for name, picture in figures.items():
         write_bytes(folder / f"{name}.png", picture)
     write_text(folder / JSON, json.dumps(found, indent=2, allow_nan=False))
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("vpf_sim.reporting", ""), autoescape=True, trim_blocks=True, lstrip_blocks=True
-    )
     pictures = {name: b64encode(picture).decode() for name, picture in figures.items()}
-    page = environment.get_template("paper.html.jinja").render(**found, pictures=pictures, signals=reproduction.SIGNALS)
+    page = render("paper.html.jinja", **found, pictures=pictures, signals=reproduction.SIGNALS)
     write_text(folder / PAGE, page)
     return folder / PAGE
 

@@ -11,8 +11,8 @@ from vpf_sim.reporting.chart import Axis, Plot, reach, thinned
 from vpf_sim.reporting.road_layout import RoadLayout, StaticObstacle
 from vpf_sim.types import Floats
 
-WIDTH, TALLEST = 420.0, 330.0
-ZOOM_M, ZOOM_HEIGHT = 54.0, 168.0  # along the road; px across it
+WIDTH, TALLEST = 360.0, 290.0
+ZOOM_M, ZOOM_HEIGHT = 54.0, 150.0  # along the road; px across it
 MOST_ZOOMS = 3
 EVERY_M = 1.5  # along a path
 Turn = Callable[[Floats], Floats]  # from the world to the axes of a plot
@@ -80,7 +80,7 @@ def overview(layout: RoadLayout, layouts: Sequence[RoadLayout], tracks: Sequence
 
 
 def zooms(layouts: Sequence[RoadLayout]) -> list[tuple[float, str]]:
-    """(s, caption) of each zoom: rows of obstacles in driving order, or else the start and middle of the route."""
+    """(s, caption) of each zoom: rows of obstacles in driving order."""
     ego, goal = layouts[0].scenario.ego, layouts[0].scenario.goal
     spots = sorted(obstacle.s_m for obstacle in layouts[0].static_obstacles)
     if ego.s_m > goal.s_m:
@@ -89,9 +89,6 @@ def zooms(layouts: Sequence[RoadLayout]) -> list[tuple[float, str]]:
     for s_m in spots:
         if not rows or abs(s_m - rows[-1]) > 0.5 * ZOOM_M:
             rows.append(s_m)
-    if not rows:
-        ahead = 0.5 * ZOOM_M * (1.0 if goal.s_m > ego.s_m else -1.0)
-        return [(ego.s_m + ahead, "the start"), (0.5 * (ego.s_m + goal.s_m), "the middle of the route")]
     names = ("the first obstacle", "the second obstacle", "the third obstacle")
     return [(s_m, names[number] if number < len(names) else "") for number, s_m in enumerate(rows)]
 
@@ -117,6 +114,8 @@ def zoom(layout: RoadLayout, layouts: Sequence[RoadLayout], tracks: Sequence[Tra
         near = np.abs(points[:, 0]) < half + 4.0
         points = np.where(near[:, None], points, np.nan)
         plot.line(points[:, 0], points[:, 1], f"path {track.style}")
+        if not track.succeeded and near[-1]:
+            _cross(plot, float(points[-1, 0]), float(points[-1, 1]), track.style)
     _scale(plot, half, across)
     return plot.svg(f"{title}: paths over the road, zoom at {s_m:.0f} m of the carriageway")
 
@@ -124,7 +123,7 @@ def zoom(layout: RoadLayout, layouts: Sequence[RoadLayout], tracks: Sequence[Tra
 def offsets(
     layouts: Mapping[int, RoadLayout], obstacles: Sequence[StaticObstacle], tracks: Sequence[Track], title: str
 ) -> Markup:
-    """The offset from the lane's centre over the distance driven; left is up, .
+    """The offset from the lane's centre over the distance driven; left is up.
 
     Edges are drawn where all places have them.
     """

@@ -1,5 +1,6 @@
-"""Image sheets and JPEG encoding."""
+"""Image sheets, JPEG encoding, and embedding in pages."""
 
+from base64 import b64encode
 from collections.abc import Sequence
 
 import cv2
@@ -21,3 +22,8 @@ def sheet(pictures: Sequence[Image], columns: int) -> Image:
     """Images of one size in a grid with this many columns."""
     rows = [np.hstack(pictures[i : i + columns]) for i in range(0, len(pictures), columns)]
     return np.vstack(rows)
+
+
+def data_uri(kind: str, content: bytes) -> str:
+    """Content as an address that pages embed; `kind` is its MIME type."""
+    return f"data:{kind};base64,{b64encode(content).decode('ascii')}"

@@ -1,6 +1,6 @@
 """Writes frames to an .mp4 that browsers play."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from fractions import Fraction
 from pathlib import Path
@@ -26,10 +26,30 @@ def is_available() -> bool:
     return av is not None
 
 
+def can_film(count: int, notify: Callable[[str], None]) -> bool:
+    """Whether `count` videos can be written; `notify` receives why not."""
+    if count and not is_available():
+        notify(f"no videos: PyAV is not installed: {INSTALL}")
+    return count > 0 and is_available()
+
+
 def require(what: str) -> None:
     """InputError, which begins with `what`, where PyAV is not installed."""
     if not is_available():
         raise InputError(f"{what}: expected PyAV, which is not installed: {INSTALL}")
+
+
+def middle_frame(path: Path) -> Image | None:
+    """(H, W, 3) a frame near the middle of a video; None if it cannot be read."""
+    if not is_available():
+        return None
+    try:
+        with av.open(str(path)) as container:
+            container.seek((container.duration or 0) // 2)
+            frame = next(container.decode(video=0), None)
+    except av.error.FFmpegError:
+        return None
+    return None if frame is None else np.asarray(frame.to_ndarray(format="rgb24"), np.uint8)
 
 
 class Writer:

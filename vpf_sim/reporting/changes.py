@@ -1,0 +1,113 @@
+"""Pictures of episodes whose ending changed between two runs: both films, and both paths over the road."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from markupsafe import Markup
+
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation.analysis.comparisons import succeeded
+from vpf_sim.evaluation.steps import StepTable
+from vpf_sim.reporting import clips, paths, video
+from vpf_sim.reporting.clips import Clip
+from vpf_sim.reporting.paths import Track
+from vpf_sim.reporting.road_layout import layouts
+from vpf_sim.reporting.run_data import RunData
+from vpf_sim.reporting.stored_run import Record
+from vpf_sim.reporting.two_runs import Pair, TwoRuns
+
+STYLES = ("d1", "d0")  # of A and B
+BEYOND_M = 15.0  # of the film of the other episode, beyond the failure
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """An episode of both runs; pictures that cannot be made are None."""
+
+    name: str
+    endings: tuple[str, str]
+    films: tuple[Clip | None, Clip | None]
+    above: Markup | None
+
+
+def choose(pairs: Sequence[Pair], count: int) -> list[Pair]:
+    """Up to `count` pairs with another ending, those that now fail first; else the one whose path changed most."""
+    changed = sorted((pair for pair in pairs if pair.changed), key=lambda pair: succeeded(pair.records[1]))
+    if changed or not count:
+        return changed[:count]
+    driven = [pair for pair in pairs if all(record and record["path_mse_m2"] is not None for record in pair.records)]
+    return sorted(filter(_path_change, driven), key=_path_change, reverse=True)[:1]
+
+
+def make(runs: TwoRuns, pair: Pair, notify: Callable[[str], None]) -> Change:
+    """The pictures of a pair, with films if PyAV is installed; `notify` receives why one is missing."""
+    tables = [one.run.steps(job.id) for one, job in zip((runs.a, runs.b), pair.jobs, strict=True)]
+    end_m = _place_m(pair, tables)
+    films = []
+    for run, job, record in zip((runs.a, runs.b), pair.jobs, pair.records, strict=True):
+        films.append(_film(run, record, end_m, notify) if record and video.is_available() else None)
+        notify(f"{job.id}: {'rendered' if films[-1] else 'no film'}")
+    first, second = (ending(record) for record in pair.records)
+    return Change(name(pair), (first, second), (films[0], films[1]), _above(pair, tables, end_m, notify))
+
+
+def ending(record: Record | None) -> str:
+    """How an episode ended, as text: "collision with a car"."""
+    if record is None:
+        return "not driven"
+    hit = f" with a {record['collided_with']}" if record.get("collided_with") else ""
+    return f"{record['status'].replace('_', ' ')}{hit}"
+
+
+def name(pair: Pair) -> str:
+    """The id of an episode, or both where they differ."""
+    one, other = pair.jobs
+    return one.id if one == other else f"{one.id} and {other.id}"
+
+
+def _path_change(pair: Pair) -> float:
+    one, other = (float(record["path_mse_m2"]) for record in pair.records if record)
+    return abs(one - other)
+
+
+def _place_m(pair: Pair, tables: Sequence[StepTable | None]) -> float:
+    """Where to look, along the route: the end of the episode that failed, or the largest offset from the lane."""
+    failed = [
+        table for record, table in zip(pair.records, tables, strict=True) if table is not None and not succeeded(record)
+    ]
+    driven = [table for table in tables if table is not None]
+    if failed:
+        return min(float(table.route_m[-1]) for table in failed)
+    return max((float(table.route_m[abs(table.lane_offset_m).argmax()]) for table in driven), default=0.0)
+
+
+def _film(run: RunData, record: Record, end_m: float, notify: Callable[[str], None]) -> Clip | None:
+    if not record["steps"]:
+        return None
+    try:
+        return clips.make(run.run, record, end_m + BEYOND_M)
+    except InputError as error:
+        notify(f"{record['id']} cannot be re-rendered: {error}")
+        return None
+
+
+def _above(
+    pair: Pair, tables: Sequence[StepTable | None], end_m: float, notify: Callable[[str], None]
+) -> Markup | None:
+    """Both paths over the road, at the place where one failed."""
+    scenario, seed = pair.jobs[0].scenario, pair.jobs[0].seed
+    if not any(table is not None for table in tables):
+        return None
+    try:
+        layout = layouts(scenario, [seed])[seed]
+    except InputError as error:
+        notify(f"{scenario} cannot be drawn: {error}")
+        return None
+    tracks = [
+        Track(seed, style, succeeded(record), table)
+        for style, record, table in zip(STYLES, pair.records, tables, strict=True)
+        if table is not None
+    ]
+    ego, goal = layout.scenario.ego.s_m, layout.scenario.goal.s_m
+    s_m = ego + end_m if goal > ego else ego - end_m
+    return paths.zoom(layout, [layout], tracks, s_m, name(pair))

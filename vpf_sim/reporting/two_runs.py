@@ -1,0 +1,223 @@
+"""Two runs on the same episodes: B minus A, paired by scenario, weather, driver and seed."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation.analysis.comparisons import succeeded, value_at
+from vpf_sim.evaluation.analysis.statistics import LEVEL, Difference, paired_difference, paired_shares
+from vpf_sim.evaluation.job import Job
+from vpf_sim.reporting.answer import title
+from vpf_sim.reporting.cells import shown
+from vpf_sim.reporting.run_data import RunData
+from vpf_sim.reporting.stored_run import Record, open_run
+
+Verdict = Literal["better", "worse", "same", "undecided"]
+Cell = tuple[str, str, str]  # scenario, weather, driver
+
+
+class Score(NamedTuple):
+    """A score of a record; `sign` is + where more is better, `of_all` whether failures have it."""
+
+    label: str
+    digits: int
+    percent: bool
+    sign: int
+    of_all: bool = False
+
+
+SUCCESS, AGAINST = "success_rate", " against "
+SCORES = {
+    SUCCESS: Score("reached the goal, %", 0, True, 1, of_all=True),
+    "route_completion": Score("route completed, %", 1, True, 1, of_all=True),
+    "driving_score_2_1": Score("driving score", 2, False, 1, of_all=True),
+    "path_mse_m2": Score("path MSE, m²", 3, False, -1),
+    "min_clearance_m": Score("least clearance, m", 2, False, 1),
+    "comfort.comfortable": Score("comfortable, %", 0, True, 1),
+    "chattering.steering.direction_changes_per_s": Score("steering reversals, 1/s", 1, False, -1),
+    "accuracy.shadow.throttle.range": Score("throttle accuracy, %", 1, True, 1),
+    "accuracy.shadow.steering.range": Score("steering accuracy, %", 1, True, 1),
+    "perception.foe_median_error_px.distance": Score("focus of expansion, error, px", 2, False, -1),
+    "perception.edge_error_10m_m.median": Score("road edges, error, m", 3, False, -1),
+    "perception.objects.recall": Score("obstacles, recall, %", 0, True, 1),
+    "perception.objects.precision": Score("obstacles, precision, %", 1, True, 1),
+}
+
+
+class Pair(NamedTuple):
+    """An episode of both runs, each with its record, or None if it was not driven."""
+
+    jobs: tuple[Job, Job]
+    records: tuple[Record | None, Record | None]
+
+    @property
+    def changed(self) -> bool:
+        """Whether only one of them reached the goal."""
+        return succeeded(self.records[0]) != succeeded(self.records[1])
+
+
+class Compared(NamedTuple):
+    """The means of a score over the pairs that have it, and the difference B - A."""
+
+    a: float
+    b: float
+    difference: Difference
+    verdict: Verdict
+
+
+@dataclass(frozen=True, slots=True)
+class TwoRuns:
+    """The pairs of two runs, in the order of A's plan, with the names that tell the runs apart."""
+
+    a: RunData
+    b: RunData
+    labels: tuple[str, str]
+    pairs: tuple[Pair, ...]
+    changed_worlds: tuple[str, ...]  # scenarios and weathers of one name that differ; their episodes are left out
+
+    @classmethod
+    def of(cls, a: RunData, b: RunData) -> "TwoRuns":
+        """The episodes in both runs; InputError where there is none."""
+        renamed = _renamed(a, b)
+        worlds = _changed_worlds(a, b)
+        planned = set(b.jobs)
+        pairs = []
+        for job in a.jobs:
+            weather, driver = renamed.get(job.weather, job.weather), renamed.get(job.driver, job.driver)
+            other = job._replace(weather=weather, driver=driver)
+            if other in planned and not worlds & {job.scenario, job.weather}:
+                pairs.append(Pair((job, other), (a.records.get(job.id), b.records.get(other.id))))
+        if not pairs:
+            raise InputError(_nothing_shared(a, b, worlds))
+        return cls(a, b, _labels(a, b, renamed), tuple(pairs), tuple(sorted(map(shown, worlds))))
+
+    def cells(self) -> dict[Cell, list[Pair]]:
+        """The pairs by scenario, weather and driver, a renamed one as "rain against clear"."""
+        found: dict[Cell, list[Pair]] = {}
+        for pair in self.pairs:
+            names = zip(pair.jobs[0][:3], pair.jobs[1][:3], strict=True)
+            scenario, weather, driver = (
+                one if one == other else f"{shown(other)}{AGAINST}{shown(one)}" for one, other in names
+            )
+            found.setdefault((scenario, weather, driver), []).append(pair)
+        return found
+
+    @property
+    def left_out(self) -> tuple[int, int]:
+        """The numbers of planned episodes of A and of B that have no partner."""
+        return len(self.a.jobs) - len(self.pairs), len(self.b.jobs) - len(self.pairs)
+
+    def as_json(self) -> dict[str, Any]:
+        """The comparison as data."""
+        return {
+            "runs": [str(one.run.path) for one in (self.a, self.b)],
+            "labels": list(self.labels),
+            "pairs": len(self.pairs),
+            "left_out": list(self.left_out),
+            "overall": _as_json(compared(self.pairs)),
+            "cells": [
+                {**dict(zip(("scenario", "weather", "driver"), cell, strict=True)), **_as_json(compared(pairs))}
+                for cell, pairs in self.cells().items()
+            ],
+            "changed": [
+                {"ids": [job.id for job in pair.jobs], "statuses": [_status(record) for record in pair.records]}
+                for pair in self.pairs
+                if pair.changed
+            ],
+        }
+
+
+def open_two(a: Path, b: Path) -> TwoRuns:
+    """The runs in two folders."""
+    return TwoRuns.of(RunData.of(open_run(a)), RunData.of(open_run(b)))
+
+
+def compared(pairs: Sequence[Pair]) -> dict[str, Compared]:
+    """The scores that pairs have, by key: success over all, others where both reached the goal or were driven."""
+    found = {key: _compare(pairs, key, score) for key, score in SCORES.items()}
+    return {key: one for key, one in found.items() if one is not None}
+
+
+def _compare(pairs: Iterable[Pair], key: str, score: Score) -> Compared | None:
+    if key == SUCCESS:
+        values = np.array([[succeeded(record) for record in pair.records] for pair in pairs], float)
+        difference = paired_shares(values[:, 1] > 0.0, values[:, 0] > 0.0)
+    else:
+        values = np.array([*_values(pairs, key, score.of_all)], float).reshape(-1, 2)
+        found = paired_difference(values[:, 1], values[:, 0])
+        if found is None:
+            return None
+        difference = found
+    a, b = np.mean(values, axis=0).tolist()
+    return Compared(a, b, difference, verdict(difference, score.sign))
+
+
+def _values(pairs: Iterable[Pair], key: str, of_all: bool) -> Iterable[tuple[float, float]]:
+    for one, other in (pair.records for pair in pairs):
+        if one is None or other is None or not (of_all or (succeeded(one) and succeeded(other))):
+            continue
+        before, after = value_at(one, key), value_at(other, key)
+        if before is not None and after is not None:
+            yield before, after
+
+
+def verdict(found: Difference, sign: int) -> Verdict:
+    """Whether a difference is better or worse beyond its interval and by its test; `sign` is + where more is better."""
+    if found.interval is None:  # a single pair, or equal differences
+        return "same" if found.difference == 0.0 else "undecided"
+    low, high = found.interval
+    if low <= 0.0 <= high or found.p >= 1.0 - LEVEL:  # of few pairs the interval alone is too narrow
+        return "undecided"
+    return "better" if sign * low > 0.0 else "worse"
+
+
+def _renamed(a: RunData, b: RunData) -> dict[str, str]:
+    """Names of A and their partners in B: a driver or a weather, where each run has one and they differ."""
+    kinds = ((a.plan.weather, b.plan.weather), (a.plan.driver, b.plan.driver))
+    return {one[0]: other[0] for one, other in kinds if len(one) == len(other) == 1 and one != other}
+
+
+def _changed_worlds(a: RunData, b: RunData) -> set[str]:
+    """Scenarios and weathers that both runs name, and that differ."""
+    found = set()
+    for kind in ("scenarios", "weathers"):
+        ours, theirs = (one.run.manifest[kind] for one in (a, b))
+        found |= {name for name in ours.keys() & theirs.keys() if ours[name] != theirs[name]}
+    return found
+
+
+def _labels(a: RunData, b: RunData, renamed: dict[str, str]) -> tuple[str, str]:
+    """What tells the runs apart: the renamed driver or weather, else the folders' names."""
+    if renamed:
+        short = [*map(shown, renamed)], [*map(shown, renamed.values())]
+        names = short if short[0] != short[1] else ([*renamed], [*renamed.values()])  # files of one name in two folders
+        return ", ".join(names[0]), ", ".join(names[1])
+    one, other = a.run.path, b.run.path
+    return (one.name, other.name) if one.name != other.name else (str(one), str(other))
+
+
+def _nothing_shared(a: RunData, b: RunData, worlds: set[str]) -> str:
+    where = f"; of another content under the same name: {', '.join(sorted(worlds))}" if worlds else ""
+    plans = f"{a.run.path} has {title(a.plan)}, {b.run.path} has {title(b.plan)}"
+    return f"report: expected an episode (scenario, weather, driver, seed) of both runs, got none: {plans}{where}"
+
+
+def _status(record: Record | None) -> str:
+    return "missing" if record is None else str(record["status"])
+
+
+def _as_json(found: dict[str, Compared]) -> dict[str, Any]:
+    return {
+        key: {
+            "a": one.a,
+            "b": one.b,
+            **one.difference._asdict(),
+            "interval": one.difference.interval and list(one.difference.interval),
+            "verdict": one.verdict,
+        }
+        for key, one in found.items()
+    }
