@@ -39,7 +39,7 @@ slow: install
 	$(BIN)/python -m pytest -m slow
 
 benchmark: install
-	$(BIN)/vpf-sim benchmark --seeds 1000:1005
+	$(BIN)/vpf-sim benchmark --seeds 1000:1003
 
 clean:
 	rm -rf $(VENV) .types build *.egg-info .pytest_cache .mypy_cache .ruff_cache

@@ -13,6 +13,7 @@ from vpf_sim import cli
 from vpf_sim.evaluation.gate.cells import Cell
 from vpf_sim.evaluation.gate.checks import Check
 from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.sweeps.plan import Plan
 
 
 def spoil(name: str, text: str) -> Callable[[Path], None]:
@@ -114,3 +115,37 @@ def test_junit(tmp_path: Path) -> None:
     write_junit([Check(Cell(odd, odd, odd), odd, odd, "failed", (1,))], out)
     (failure,) = Xml.fromstring(out.read_bytes()).iter("failure")
     assert '?[31m<&>" ]]> é ?' in str(failure.text)
+
+
+def test_markdown_has_the_verdict_the_failures_and_their_commands(tmp_path: Path) -> None:
+    folder, rules, out = run(tmp_path / "run", lost), tmp_path / "rules.toml", tmp_path / "out.md"
+    rules.write_text('[[rules]]\nscenario = "town04"\nsuccess_rate_at_least = 0.9\ncollisions_at_most = 3')
+    assert cli.run(["check", str(folder), "--rules", str(rules), "--markdown", str(out)]) == 1
+    lines = out.read_text("utf-8").splitlines()
+    assert lines[0] == "## ❌ Gate: 1 of 2 checks failed"
+    failed, everything = (lines.index(line) for line in ("```sh", "</details>"))
+    assert lines[failed + 1].startswith("for seed in 3 5 8; do vpf-sim drive town04 --weather clear --driver vpf")
+    table = [line for line in lines[failed:everything] if line.startswith("| ")]
+    assert [line.split(" | ")[0] for line in table[2:]] == ["| ❌ fail", "| ✅ ok"]
+
+    rules.write_text("[[rules]]\ncollisions_at_most = 9")
+    assert cli.run(["check", str(folder), "--rules", str(rules), "--markdown", str(out)]) == 0
+    assert out.read_text("utf-8").startswith("## ✅ Gate: all checks passed\n")
+
+
+def test_a_name_has_no_meaning_in_markdown(tmp_path: Path) -> None:
+    from vpf_sim.reporting.check_markdown import write_markdown
+
+    name = "a|b\n*c* <img>"
+    write_markdown([Check(Cell(name, "clear", "vpf"), "x", "y", "passed")], tmp_path / "out.md")
+    assert "| ✅ ok | a\\|b?\\*c\\* &lt;img> | clear | vpf | x | y |" in (tmp_path / "out.md").read_text("utf-8")
+
+
+def test_the_default_rules_are_for_the_scenarios_of_the_gate(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    gates = Plan(("gate-course", "gate-traffic"), ("clear", "rain"), ("pid",), "0:2")
+    assert cli.run(["check", str(run(tmp_path / "good", lambda _: {"path_mse_m2": 0.1}, gates)), "--json"]) == 0
+    assert {row["outcome"] for row in json.loads(capsys.readouterr().out)["checks"]} <= {"passed", "skipped"}
+    assert cli.run(["check", str(run(tmp_path / "other", lambda _: {}))]) == 2
+    assert "default_rules.toml: rules[0].scenario: not in" in capsys.readouterr().err

@@ -189,9 +189,17 @@ def test_additional_object_does_not_change_other_draws() -> None:
 
 
 def test_catalog_contains_the_documented_scenarios() -> None:
-    assert {"town04", "town04-clean", "straight", "curve-left", "curve-right", "heading-30", "slalom"} <= set(
-        scenarios.names()
-    )
+    assert {
+        "town04",
+        "town04-clean",
+        "straight",
+        "curve-left",
+        "curve-right",
+        "heading-30",
+        "slalom",
+        "gate-course",
+        "gate-traffic",
+    } <= set(scenarios.names())
 
 
 @pytest.mark.parametrize("name", scenarios.names())

@@ -6,6 +6,7 @@ import typer
 
 from vpf_sim.cli.options import DriversOption, print_json
 from vpf_sim.cli.run_options import RunOptions, with_run_options
+from vpf_sim.shell import command
 
 ReportOption = Annotated[bool, typer.Option("--report/--no-report", help="Write report.html, with videos of failures.")]
 
@@ -17,8 +18,9 @@ def benchmark(run: RunOptions, driver: DriversOption = None, report: ReportOptio
     It is driven without and with obstacles, by the paper's method, ours and the PID.
     """
     from vpf_sim.api.report import report as write_report
+    from vpf_sim.cli.benchmark_table import print_benchmark
     from vpf_sim.cli.options import prints_on_stderr
-    from vpf_sim.cli.results import exit_code, print_benchmark, print_comparisons, read_summary
+    from vpf_sim.cli.results import exit_code, read_summary
     from vpf_sim.cli.running import fill, plan_of
     from vpf_sim.evaluation.analysis.benchmark import plan as benchmark_plan
 
@@ -31,8 +33,5 @@ def benchmark(run: RunOptions, driver: DriversOption = None, report: ReportOptio
         print_json({"out": str(path), "seeds": plan.seeds, **summary})
     else:
         print_benchmark(summary["rows"], plan.seeds)
-        print_comparisons(summary["comparisons"])
-        print(f"\nrecords and steps: {path}")
-        if page:
-            print(f"report: {page}")
+        print(f"All definitions, intervals and differences: {page or command('report', path)}")
     raise typer.Exit(exit_code(summary))

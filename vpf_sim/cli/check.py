@@ -13,23 +13,39 @@ from vpf_sim.cli.tables import print_table
 if TYPE_CHECKING:
     from vpf_sim.evaluation.gate.checks import Check
 
-RulesOption = Annotated[Path, typer.Option("--rules", metavar="FILE", help="The rules, a TOML file.")]
+RulesOption = Annotated[
+    Path | None,
+    typer.Option("--rules", metavar="FILE", help="The rules, a TOML file; by default those of the gate's scenarios."),
+]
 JunitOption = Annotated[Path | None, typer.Option("--junit", metavar="FILE", help="Write the results as JUnit XML.")]
+MarkdownOption = Annotated[
+    Path | None, typer.Option("--markdown", metavar="FILE", help="Write the results as Markdown.")
+]
 WORDS = {"passed": "ok", "failed": "FAIL", "skipped": "-"}
 MOST_SEEDS = 10  # of a printed command; --junit and --json have all
 
 
-def check(run: RunArgument, rules: RulesOption, junit: JunitOption = None, json: JsonOption = False) -> None:
+def check(
+    run: RunArgument,
+    rules: RulesOption = None,
+    junit: JunitOption = None,
+    markdown: MarkdownOption = None,
+    json: JsonOption = False,
+) -> None:
     """Check a run against rules; exit code 1 if it fails any."""
     from vpf_sim.evaluation.gate import gate
     from vpf_sim.evaluation.gate.cells import read_run
-    from vpf_sim.evaluation.gate.rules import read_rules
+    from vpf_sim.evaluation.gate.rules import DEFAULT_RULES, read_rules
+    from vpf_sim.reporting.check_markdown import write_markdown
     from vpf_sim.reporting.junit import write_junit
 
-    junit = output_file("junit", junit)
-    checks = gate.check(read_run(run), read_rules(rules), rules)
+    junit, markdown = output_file("junit", junit), output_file("markdown", markdown)
+    file = rules or DEFAULT_RULES
+    checks = gate.check(read_run(run), read_rules(file), file)
     if junit is not None:
         write_junit(checks, junit)
+    if markdown is not None:
+        write_markdown(checks, markdown)
     failed = [one for one in checks if one.outcome == "failed"]
     if json:
         print_json({"ok": not failed, "checks": [_row(one) for one in checks]})

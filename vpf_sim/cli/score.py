@@ -27,13 +27,14 @@ def score(run: RunArgument, json: JsonOption = False) -> None:
 
 
 def _print(done: "Rescored") -> None:
-    from vpf_sim.cli.results import print_benchmark, print_comparisons, print_rows
+    from vpf_sim.cli.benchmark_table import print_benchmark
+    from vpf_sim.cli.results import print_comparisons, print_rows
 
     if done.command == "benchmark":
         print_benchmark(done.summary["rows"], done.seeds)
     else:
         print_rows(done.summary["rows"])
-    print_comparisons(done.summary["comparisons"])
+        print_comparisons(done.summary["comparisons"])
     print(f"\n{len(done.records)} of {done.planned} planned episodes rescored, {len(done.changed)} changed")
     for name, keys in sorted(done.changed.items())[:MOST]:
         print(f"  {name}: {', '.join(keys)}")

@@ -147,3 +147,40 @@ def test_a_driver_without_a_name_of_its_own_has_no_command(driver: str) -> None:
     """One of a notebook or script, or an instance."""
     assert Check(Cell("town04", "clear", driver), "", "", "failed", (3,)).rerun is None
     assert Check(Cell("town04", "clear", "my_module:Mine"), "", "", "failed", (3,)).rerun is not None
+
+
+DETAILS = {
+    "path_mse_parts_m2": {"clear_of_obstacles": 0.04, "passing": 9.0},
+    "chattering": {"steering": {"direction_changes_per_s": 8.0}, "steering_rate_radps": {"p95": 0.25, "max": 1.0}},
+    "perception": {
+        "edge_error_10m_m": {"median": 0.05, "p95": 1.0},
+        "foe_median_error_px": {"x": 3.0, "y": 4.0, "distance": 6.0},
+        "objects": {"met": 4, "recall": 0.75, "precision": 0.5, "wrong_per_minute": 2.0},
+    },
+}
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("clear_path_mse_m2_at_most", 0.04),
+        ("steering_rate_radps_at_most", 0.25),
+        ("steering_reversals_per_s_at_most", 8.0),
+        ("edge_error_m_at_most", 0.05),
+        ("foe_error_px_at_most", 6.0),
+        ("recall_at_least", 0.75),
+        ("precision_at_least", 0.5),
+        ("false_positives_per_minute_at_most", 2.0),
+    ],
+)
+def test_details_are_held_to_their_bound(key: str, value: float, tmp_path: Path) -> None:
+    tighter = -0.01 if key.endswith("_at_most") else 0.01
+    for limit, outcome in ((value, "passed"), (value + tighter, "failed")):
+        folder = tmp_path / outcome
+        folder.mkdir()
+        assert only(folder, f"{key} = {limit}", lambda _: DETAILS).outcome == outcome
+
+
+def test_details_that_no_record_has_are_skipped(tmp_path: Path) -> None:
+    found = only(tmp_path, "recall_at_least = 1", lambda _: {})
+    assert (found.outcome, found.actual) == ("skipped", "not measured")

@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 from pydantic import BaseModel, ConfigDict
 
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.gate.rules import Score
+from vpf_sim.evaluation.gate.rules import Detail, Score
 from vpf_sim.evaluation.sweeps.json_lines import read_lines
 from vpf_sim.evaluation.sweeps.run_folder import read_manifest, stored_plan
-from vpf_sim.evaluation.sweeps.schema import checked
+from vpf_sim.evaluation.sweeps.schema import Numbers, Perception, checked
 
 FAULTS = ("error", "invalid_frame")  # statuses of episodes that did not finish
 
@@ -38,6 +38,9 @@ class Episode(BaseModel):
     min_clearance_m: float | None
     comfort: Comfort | None
     states_sha256: str | None
+    path_mse_parts_m2: Numbers | None = None
+    chattering: dict[str, Numbers] | None = None
+    perception: Perception | None = None
 
     @property
     def succeeded(self) -> bool:
@@ -71,11 +74,11 @@ def read_run(path: Path) -> Run:
     return Run(path, dict(sorted(cells.items())), hashes)
 
 
-def value_of(score: Score, episode: Episode | None) -> float | None:
+def value_of(score: Score | Detail, episode: Episode | None) -> float | None:
     """An episode's value in the mean of a score.
 
-    A missing or unfinished episode counts as unsuccessful, uncomfortable, and a collision. Path MSE and clearance are
-    None for unsuccessful episodes, clearance also without obstacles.
+    A missing or unfinished episode counts as unsuccessful, uncomfortable, and a collision. All other scores are None
+    for unsuccessful episodes, and where they were not measured, such as a clearance without obstacles.
     """
     if score == "collisions":
         return 1.0 if episode is None or episode.status in FAULTS else float(episode.collisions)
@@ -86,10 +89,28 @@ def value_of(score: Score, episode: Episode | None) -> float | None:
         return float(succeeded and episode is not None and bool(episode.comfort and episode.comfort.comfortable))
     if episode is None or not succeeded:
         return None
-    return episode.path_mse_m2 if score == "path_mse_m2" else episode.min_clearance_m
+    return _measured(episode)[score]
 
 
-def values_of(score: Score, episodes: Episodes) -> dict[int, float]:
+def _measured(episode: Episode) -> dict[str, float | None]:
+    """The scores that only successful episodes have; None where nothing was met, or the driver shows no perception."""
+    chattering, perception = episode.chattering or {}, episode.perception or Perception()
+    objects = perception.objects or {}
+    return {
+        "path_mse_m2": episode.path_mse_m2,
+        "clearance_m": episode.min_clearance_m,
+        "clear_path_mse_m2": (episode.path_mse_parts_m2 or {}).get("clear_of_obstacles"),
+        "steering_rate_radps": chattering.get("steering_rate_radps", {}).get("p95"),
+        "steering_reversals_per_s": chattering.get("steering", {}).get("direction_changes_per_s"),
+        "edge_error_m": (perception.edge_error_10m_m or {}).get("median"),
+        "foe_error_px": (perception.foe_median_error_px or {}).get("distance"),
+        "recall": objects.get("recall"),
+        "precision": objects.get("precision"),
+        "false_positives_per_minute": objects.get("wrong_per_minute"),
+    }
+
+
+def values_of(score: Score | Detail, episodes: Episodes) -> dict[int, float]:
     """Values by seed of the episodes that count in a score."""
     values = {seed: value_of(score, episode) for seed, episode in episodes.items()}
     return {seed: value for seed, value in values.items() if value is not None}

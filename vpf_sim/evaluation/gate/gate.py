@@ -15,7 +15,7 @@ from vpf_sim.evaluation.analysis.statistics import mean_interval
 from vpf_sim.evaluation.gate import baseline, perception
 from vpf_sim.evaluation.gate.cells import FAULTS, Cell, Episodes, Run, values_of, worst_first
 from vpf_sim.evaluation.gate.checks import Check, matching, number
-from vpf_sim.evaluation.gate.rules import SCORES, Rule, Score
+from vpf_sim.evaluation.gate.rules import SCORES, Detail, Rule, Score
 
 
 def check(run: Run, rules: Sequence[Rule], file: Path) -> list[Check]:
@@ -37,7 +37,7 @@ def _bound(key: str, limit: float, cell: Cell, episodes: Episodes) -> Check:
     bound, expected = BOUND_KINDS[key], f"{key} {limit:g}"
     values = values_of(bound.score, episodes)
     if not values:
-        return _without_values(cell, expected, episodes)
+        return _without_values(cell, expected, bound.score, episodes)
     value = bound.of(list(values.values()))
     sign = 1.0 if key.endswith("_at_least") else -1.0
     kept = value is not None and sign * (value - limit) >= 0.0
@@ -50,7 +50,7 @@ def _bound(key: str, limit: float, cell: Cell, episodes: Episodes) -> Check:
     return _checked(Check(cell, expected, actual, "passed" if kept else "failed", tuple(seeds)), bound.score, episodes)
 
 
-def _checked(check: Check, score: Score, episodes: Episodes) -> Check:
+def _checked(check: Check, score: Score | Detail, episodes: Episodes) -> Check:
     """The check with the counts of missing and unfinished episodes.
 
     A missing episode already counts in shares; it fails rules on other scores.
@@ -65,10 +65,10 @@ def _checked(check: Check, score: Score, episodes: Episodes) -> Check:
     return check if check.outcome == "failed" else replace(check, seeds=())
 
 
-def _without_values(cell: Cell, expected: str, episodes: Episodes) -> Check:
-    """The check of a cell without values: no obstacles, or no successful episode."""
+def _without_values(cell: Cell, expected: str, score: Score | Detail, episodes: Episodes) -> Check:
+    """The check of a cell without values: nothing to measure, or no successful episode."""
     if any(episode is not None and episode.succeeded for episode in episodes.values()):
-        return Check(cell, expected, "no obstacles", "skipped")
+        return Check(cell, expected, "no obstacles" if score == "clearance_m" else "not measured", "skipped")
     return Check(cell, expected, "no successful episode", "failed", tuple(sorted(episodes)))
 
 
@@ -89,7 +89,7 @@ def _against(before: baseline.BaselineScore, score: Score, cell: Cell, episodes:
     if before.mean is None:
         return Check(cell, expected, "the baseline has none", "skipped")
     if not ours:
-        return _without_values(cell, expected, episodes)
+        return _without_values(cell, expected, score, episodes)
     found = baseline.compare(score, ours, before)
     check = Check(cell, expected, found.text, "failed" if found.worse else "passed", found.seeds)
     return _checked(check, score, episodes)
@@ -106,7 +106,7 @@ def _upper(values: Sequence[float]) -> float | None:
 class BoundKind(NamedTuple):
     """The score of a bound, the aggregate of its values, and the aggregate's unit."""
 
-    score: Score
+    score: Score | Detail
     of: Callable[[list[float]], float | None]
     unit: str = ""
 
@@ -118,5 +118,13 @@ BOUND_KINDS = {
     "path_mse_m2_upper_at_most": BoundKind("path_mse_m2", _upper, " m2"),
     "clearance_m_at_least": BoundKind("clearance_m", min, " m"),
     "comfortable_share_at_least": BoundKind("comfortable_share", fmean),
+    "clear_path_mse_m2_at_most": BoundKind("clear_path_mse_m2", fmean, " m2"),
+    "steering_rate_radps_at_most": BoundKind("steering_rate_radps", fmean, " rad/s"),
+    "steering_reversals_per_s_at_most": BoundKind("steering_reversals_per_s", fmean, " 1/s"),
+    "edge_error_m_at_most": BoundKind("edge_error_m", fmean, " m"),
+    "foe_error_px_at_most": BoundKind("foe_error_px", fmean, " px"),
+    "recall_at_least": BoundKind("recall", fmean),
+    "precision_at_least": BoundKind("precision", fmean),
+    "false_positives_per_minute_at_most": BoundKind("false_positives_per_minute", fmean, " 1/min"),
 }
-PERFECT: dict[Score, float] = {"success_rate": 1.0, "collisions": 0.0, "comfortable_share": 1.0}
+PERFECT: dict[Score | Detail, float] = {"success_rate": 1.0, "collisions": 0.0, "comfortable_share": 1.0}

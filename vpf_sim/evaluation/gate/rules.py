@@ -10,8 +10,19 @@ from pydantic import Field
 from vpf_sim import configuration
 from vpf_sim.configuration import setting, settings
 
+DEFAULT_RULES = Path(__file__).with_name("default_rules.toml")  # for the scenarios gate-course and gate-traffic
 Score = Literal["success_rate", "collisions", "path_mse_m2", "clearance_m", "comfortable_share"]
 SCORES: tuple[Score, ...] = get_args(Score)
+Detail = Literal[
+    "clear_path_mse_m2",
+    "steering_rate_radps",
+    "steering_reversals_per_s",
+    "edge_error_m",
+    "foe_error_px",
+    "recall",
+    "precision",
+    "false_positives_per_minute",
+]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
 
@@ -60,6 +71,14 @@ class Rule:
     path_mse_m2_upper_at_most: NotNegative | None = None  # the upper end of the mean's 95 % interval
     clearance_m_at_least: NotNegative | None = None
     comfortable_share_at_least: Share | None = None
+    clear_path_mse_m2_at_most: NotNegative | None = None  # of the route without obstacles, as the next ones a mean
+    steering_rate_radps_at_most: NotNegative | None = None  # the 95th percentile of an episode
+    steering_reversals_per_s_at_most: NotNegative | None = None
+    edge_error_m_at_most: NotNegative | None = None  # perception while driving, of drivers that show it
+    foe_error_px_at_most: NotNegative | None = None
+    recall_at_least: Share | None = None
+    precision_at_least: Share | None = None
+    false_positives_per_minute_at_most: NotNegative | None = None
     perception: PerceptionBounds | None = None
     no_worse_than: str | None = setting("a run folder or summary.json, relative to the rules file", default=None)
     scores: tuple[Score, ...] | None = setting("compared by no_worse_than; default: all", default=None, min_length=1)

@@ -1,0 +1,42 @@
+"""Writes the gate's checks as Markdown, for the summary of a CI job."""
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from vpf_sim.evaluation.gate.checks import Check
+from vpf_sim.files import write_text
+
+WORDS = {"passed": "✅ ok", "failed": "❌ fail", "skipped": "– skipped"}
+MOST_SEEDS = 10  # of a command
+
+
+def write_markdown(checks: Sequence[Check], path: Path) -> None:
+    """Write the verdict, the failed checks with the commands that repeat them, and a table of all."""
+    failed = [one for one in checks if one.outcome == "failed"]
+    counts: Counter[str] = Counter(one.outcome for one in checks)
+    verdict = f"❌ Gate: {len(failed)} of {len(checks)} checks failed" if failed else "✅ Gate: all checks passed"
+    lines = [f"## {verdict}", "", ", ".join(f"{counts[outcome]} {outcome}" for outcome in WORDS) + "."]
+    if failed:
+        lines += ["", *_table(failed), "", "Drive the failures again, the worst first:", ""]
+        lines += ["```sh", *dict.fromkeys(str(one.first(MOST_SEEDS).rerun) for one in failed), "```"]
+    lines += ["", "<details><summary>All checks</summary>", "", *_table(checks), "", "</details>"]
+    write_text(path, "\n".join([*lines, ""]))
+
+
+def _table(checks: Iterable[Check]) -> list[str]:
+    rows = [(WORDS[one.outcome], *one.cell, one.expected, one.actual) for one in checks]
+    header = ("", "scenario", "weather", "driver", "expected", "actual")
+    return [_row(header), _row("---" for _ in header), *(_row(map(_text, row)) for row in rows)]
+
+
+def _row(cells: Iterable[str]) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def _text(text: str) -> str:
+    """A text in one line of a table's cell, without meaning in Markdown or HTML."""
+    plain = "".join(char if char.isprintable() else "?" for char in text)
+    for char in "\\|`*_[]~":
+        plain = plain.replace(char, f"\\{char}")
+    return plain.replace("&", "&amp;").replace("<", "&lt;")
