@@ -3,8 +3,8 @@
 `vpf-sim replay` gets the film and the camera's field of view alone. It derives speed and steering of the car that
 was filmed, and compares the latter with what `vpf` would have done. Prints
 
-    151 frames, lane found in 100%
-    speed 5.5 m/s, derived 7.9 m/s
+    181 frames, lane found in 100%
+    speed 5.5 m/s, derived 5.5 m/s
     steering differs from the film's by 0.2 deg on average
 
 python replay_a_film.py [FOLDER] keeps film and report in FOLDER. Needs `pip install 'vpf_sim[video]'`.
