@@ -16,19 +16,21 @@ HERE = Path(__file__).parent
 project = "vpf_sim"
 author = "the vpf_sim developers"
 version = release = vpf_sim.__version__
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+extensions = ["myst_parser", "sphinx.ext.autodoc"]
 exclude_patterns: list[str] = []
 
 myst_heading_anchors = 4  # the names that GitHub gives to headings
 default_role = "literal"  # single backquotes in docstrings are code, as in the pages
 autodoc_member_order = "bysource"
-autodoc_typehints = "description"
-autodoc_typehints_description_target = "documented_params"
+autodoc_typehints = "signature"
+python_maximum_signature_line_length = 88
 autodoc_preserve_defaults = True
 
+smartquotes = False  # options begin with two hyphens
 lexers["csv"] = TextLexer()
 
 html_theme = "furo"
+html_show_copyright = False
 html_title = f"vpf_sim {version}"
 
 

@@ -40,9 +40,9 @@ class Camera:
     fy_px: float = FROM_SIZE
     cx_px: float = FROM_SIZE
     cy_px: float = FROM_SIZE
-    height_m: float = 1.4  # above the road
-    forward_m: float = 0.8  # ahead of the pose
-    pitch_rad: float = 0.0  # + looks down
+    height_m: float = 1.4  #: above the road
+    forward_m: float = 0.8  #: ahead of the pose
+    pitch_rad: float = 0.0  #: + looks down
     k1: float = 0.0
     k2: float = 0.0
 
@@ -111,8 +111,10 @@ class DriverSetup:
     speed_reference_mps: float
     goal_m: tuple[float, float]
     seed: int
-    route: Floats | None = None  # (M, 2) m, waypoints 1 m apart along the lane centre from the start to beyond the goal
-    world: Any | None = None  # highway_env.road.road.Road
+    route: Floats | None = (
+        None  #: (M, 2) m, waypoints 1 m apart along the lane centre from the start to beyond the goal
+    )
+    world: Any | None = None  #: highway_env.road.road.Road
 
     def __post_init__(self) -> None:
         if not 0.0 < self.rate_hz < inf:
@@ -135,7 +137,7 @@ class Observation:
     Where the newest frame is late or was dropped, `image` is the last that has arrived, with its own `frame_time_s`.
     """
 
-    image: Image  # (H, W, 3) RGB, the last that has arrived; (0, 0, 3) where the driver does not look
+    image: Image  #: (H, W, 3) RGB, the last that has arrived; (0, 0, 3) where the driver does not look
     time_s: float
     x_m: float
     y_m: float
@@ -143,7 +145,7 @@ class Observation:
     speed_mps: float
     yaw_rate_radps: float
     goal_m: tuple[float, float]
-    frame_time_s: float = nan  # time stamp of the camera, when the image was taken; left out, it is `time_s`
+    frame_time_s: float = nan  #: time stamp of the camera, when the image was taken; left out, it is `time_s`
 
     def __post_init__(self) -> None:
         if isnan(self.frame_time_s):
