@@ -107,7 +107,7 @@ def test_scenarios_and_weathers_of_the_other_pages_are_valid(page: str, tmp_path
 
 def test_every_public_name_is_on_the_page_of_the_api() -> None:
     page = (DOCS / "api.md").read_text("utf-8")
-    documented = set(re.findall(r"^\.\. auto\w+:: vpf_sim\.(\w+)$", page, re.MULTILINE))
+    documented = set(re.findall(r"^\.\. auto\w+:: vpf_sim\.(\w+)(?:\(\))?$", page, re.MULTILINE))
     assert documented == set(vpf_sim.__all__) - {"__version__"}
 
 

@@ -129,7 +129,7 @@ class DriverSetup:
 
 @dataclass(frozen=True, slots=True)
 class Observation:
-    """What a driver sees at one moment: the camera's frame, and what odometry knows of its own car.
+    """What a driver sees at one moment: the camera's frame, and what odometry knows of its own car::
 
         grey = cv2.cvtColor(observation.image, cv2.COLOR_RGB2GRAY)  # (480, 640)
         too_fast = observation.speed_mps > 6.0
@@ -159,9 +159,9 @@ class Observation:
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """What a driver does: throttle in [-1, 1] (negative brakes), steering in [-1, 1] (+ is right, +-1 the limit).
+    """What a driver does: throttle in [-1, 1] (negative brakes), steering in [-1, 1] (+ is right, +-1 the limit)::
 
-    Command(throttle=0.2, steering=-0.1)  # accelerate a little, to the left
+        Command(throttle=0.2, steering=-0.1)  # accelerate a little, to the left
     """
 
     throttle: float
@@ -171,15 +171,15 @@ class Command:
 class Driver(Protocol):
     """What is under test: frames in, throttle and steering out.
 
-    A subclass needs `act` alone. A class of its own needs `privileged`, `reset` and `act`.
+    A subclass needs `act` alone. A class of its own needs `privileged`, `reset` and `act`::
 
         class FollowTheRoad(vpf_sim.Driver):
             def act(self, observation: vpf_sim.Observation) -> vpf_sim.Command:
                 return vpf_sim.Command(throttle=0.2, steering=steering_for(observation.image))
     """
 
-    privileged: Privilege = "none"  # "route" or "world" if it needs more than its camera and odometry
-    uses_images: bool = True  # False: no frame is drawn for it
+    privileged: Privilege = "none"  #: "route" or "world" if it needs more than its camera and odometry
+    uses_images: bool = True  #: False: no frame is drawn for it
 
     @property
     def needs_next_frame(self) -> bool:
