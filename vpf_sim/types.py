@@ -111,9 +111,7 @@ class DriverSetup:
     speed_reference_mps: float
     goal_m: tuple[float, float]
     seed: int
-    route: Floats | None = (
-        None  #: (M, 2) m, waypoints 1 m apart along the lane centre from the start to beyond the goal
-    )
+    route: Floats | None = None  #: (M, 2) m, along the lane's centre from the start to beyond the goal, 1 m apart
     world: Any | None = None  #: highway_env.road.road.Road
 
     def __post_init__(self) -> None:
