@@ -100,9 +100,9 @@ def test_scenarios_and_weathers_of_the_other_pages_are_valid(page: str, tmp_path
         if "gains" in table:
             drivers.create(f"vpf@{path}")
         elif "droplets" in table:
-            weather.load(path)
+            weather.load(str(path))
         else:
-            scenarios.load(path)
+            scenarios.load(str(path))
 
 
 def test_every_public_name_is_on_the_page_of_the_api() -> None:

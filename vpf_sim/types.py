@@ -157,9 +157,9 @@ class Observation:
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """What a driver does: throttle in [-1, 1] (negative brakes), steering in [-1, 1] (+ is right, +-1 the limit)::
+    """What a driver does: throttle in [-1, 1] (negative brakes), steering in [-1, 1] (+ is right, +-1 the limit).
 
-        Command(throttle=0.2, steering=-0.1)  # accelerate a little, to the left
+    >>> Command(throttle=0.2, steering=-0.1)  # accelerate a little, to the left
     """
 
     throttle: float
