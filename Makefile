@@ -8,7 +8,7 @@ ifneq ($(wildcard $(SHARED)/README.md),)
 export VPF_SIM_SHARED := $(SHARED)
 endif
 
-.PHONY: install test lint types unit slow benchmark clean
+.PHONY: install test lint types unit slow benchmark docs docs-links notebooks clean
 
 install: $(VENV)/installed
 
@@ -40,6 +40,20 @@ slow: install
 
 benchmark: install
 	$(BIN)/vpf-sim benchmark --seeds 1000:1003
+
+$(VENV)/docs: $(VENV)/installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	touch $@
+
+# A warning is an error: a link within the pages that leads nowhere, a docstring that cannot be read.
+docs: $(VENV)/docs
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going docs build/docs
+
+docs-links: $(VENV)/docs
+	$(BIN)/python -m sphinx -b linkcheck docs build/links
+
+notebooks: $(VENV)/docs
+	$(BIN)/python scripts/notebooks.py
 
 clean:
 	rm -rf $(VENV) .types build *.egg-info .pytest_cache .mypy_cache .ruff_cache

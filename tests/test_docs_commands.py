@@ -31,6 +31,7 @@ ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 PAGES = ["own-drives", "gate", "cluster", "reproduce"]
 TOO_LONG = {"results"}  # drives for a good part of an hour
+TUTORIALS = {"start"}  # tests/test_tutorials.py
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 ELSEWHERE = ("pip ", "helm ")  # what sets up machines, and no command of ours
 STAYS = "dask "  # runs until it is ended
@@ -55,7 +56,7 @@ def commands(page: Path) -> list[str]:
 
 OURS = [
     pytest.param(shlex.split(line.split("||")[0], comments=True)[1:], id=f"{page.stem}: {line[:60]}")
-    for page in (ROOT / "README.md", *sorted(DOCS.glob("*.md")))
+    for page in (ROOT / "README.md", *sorted(DOCS.rglob("*.md")))
     for line in commands(page)
     if line.startswith("vpf-sim ")
 ]
@@ -73,7 +74,7 @@ def test_a_printed_command_is_understood(words: list[str]) -> None:
 
 
 def test_every_page_with_commands_is_run() -> None:
-    assert {page.stem for page in DOCS.glob("*.md") if commands(page)} == {*PAGES, *TOO_LONG}
+    assert {page.stem for page in DOCS.glob("*.md") if commands(page)} == {*PAGES, *TOO_LONG, *TUTORIALS}
 
 
 def test_drive_toml_as_printed_is_one() -> None:

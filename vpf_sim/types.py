@@ -40,9 +40,9 @@ class Camera:
     fy_px: float = FROM_SIZE
     cx_px: float = FROM_SIZE
     cy_px: float = FROM_SIZE
-    height_m: float = 1.4  # above the road
-    forward_m: float = 0.8  # ahead of the pose
-    pitch_rad: float = 0.0  # + looks down
+    height_m: float = 1.4  #: above the road
+    forward_m: float = 0.8  #: ahead of the pose
+    pitch_rad: float = 0.0  #: + looks down
     k1: float = 0.0
     k2: float = 0.0
 
@@ -111,8 +111,8 @@ class DriverSetup:
     speed_reference_mps: float
     goal_m: tuple[float, float]
     seed: int
-    route: Floats | None = None  # (M, 2) m, waypoints 1 m apart along the lane centre from the start to beyond the goal
-    world: Any | None = None  # highway_env.road.road.Road
+    route: Floats | None = None  #: (M, 2) m, along the lane's centre from the start to beyond the goal, 1 m apart
+    world: Any | None = None  #: highway_env.road.road.Road
 
     def __post_init__(self) -> None:
         if not 0.0 < self.rate_hz < inf:
@@ -127,7 +127,7 @@ class DriverSetup:
 
 @dataclass(frozen=True, slots=True)
 class Observation:
-    """What a driver sees at one moment: the camera's frame, and what odometry knows of its own car.
+    """What a driver sees at one moment: the camera's frame, and what odometry knows of its own car::
 
         grey = cv2.cvtColor(observation.image, cv2.COLOR_RGB2GRAY)  # (480, 640)
         too_fast = observation.speed_mps > 6.0
@@ -135,7 +135,7 @@ class Observation:
     Where the newest frame is late or was dropped, `image` is the last that has arrived, with its own `frame_time_s`.
     """
 
-    image: Image  # (H, W, 3) RGB, the last that has arrived; (0, 0, 3) where the driver does not look
+    image: Image  #: (H, W, 3) RGB, the last that has arrived; (0, 0, 3) where the driver does not look
     time_s: float
     x_m: float
     y_m: float
@@ -143,7 +143,7 @@ class Observation:
     speed_mps: float
     yaw_rate_radps: float
     goal_m: tuple[float, float]
-    frame_time_s: float = nan  # time stamp of the camera, when the image was taken; left out, it is `time_s`
+    frame_time_s: float = nan  #: time stamp of the camera, when the image was taken; left out, it is `time_s`
 
     def __post_init__(self) -> None:
         if isnan(self.frame_time_s):
@@ -159,7 +159,7 @@ class Observation:
 class Command:
     """What a driver does: throttle in [-1, 1] (negative brakes), steering in [-1, 1] (+ is right, +-1 the limit).
 
-    Command(throttle=0.2, steering=-0.1)  # accelerate a little, to the left
+    >>> Command(throttle=0.2, steering=-0.1)  # accelerate a little, to the left
     """
 
     throttle: float
@@ -169,15 +169,15 @@ class Command:
 class Driver(Protocol):
     """What is under test: frames in, throttle and steering out.
 
-    A subclass needs `act` alone. A class of its own needs `privileged`, `reset` and `act`.
+    A subclass needs `act` alone. A class of its own needs `privileged`, `reset` and `act`::
 
         class FollowTheRoad(vpf_sim.Driver):
             def act(self, observation: vpf_sim.Observation) -> vpf_sim.Command:
                 return vpf_sim.Command(throttle=0.2, steering=steering_for(observation.image))
     """
 
-    privileged: Privilege = "none"  # "route" or "world" if it needs more than its camera and odometry
-    uses_images: bool = True  # False: no frame is drawn for it
+    privileged: Privilege = "none"  #: "route" or "world" if it needs more than its camera and odometry
+    uses_images: bool = True  #: False: no frame is drawn for it
 
     @property
     def needs_next_frame(self) -> bool:

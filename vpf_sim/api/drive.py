@@ -30,10 +30,10 @@ class Episode:
     >>> episode.steps.plot(x="x_m", y="y_m")
     """
 
-    record: dict[str, Any]  # scores, as in episodes.jsonl of a run folder
+    record: dict[str, Any]  #: scores, as in episodes.jsonl of a run folder
     table: StepTable
-    timing: dict[str, Any]  # `wall_s`, `steps_per_s`, `stages_ms`
-    path: Path | None = None  # the run folder, if it is stored
+    timing: dict[str, Any]  #: `wall_s`, `steps_per_s`, `stages_ms`
+    path: Path | None = None  #: the run folder, if it is stored
 
     def __repr__(self) -> str:
         last = f", {self.error.strip().splitlines()[-1]}" if self.error else ""
