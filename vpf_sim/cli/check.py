@@ -22,7 +22,6 @@ MarkdownOption = Annotated[
     Path | None, typer.Option("--markdown", metavar="FILE", help="Write the results as Markdown.")
 ]
 WORDS = {"passed": "ok", "failed": "FAIL", "skipped": "-"}
-MOST_SEEDS = 10  # of a printed command; --junit and --json have all
 
 
 def check(
@@ -61,14 +60,11 @@ def _row(check: "Check") -> dict[str, object]:
 
 def _print(checks: list["Check"], failed: list["Check"]) -> None:
     """Print every check, the commands that repeat failures, and the counts."""
+    from vpf_sim.evaluation.gate.checks import repeats
+
     header = ("", "scenario", "weather", "driver", "expected", "actual")
     print_table(header, [(WORDS[one.outcome], *one.cell, one.expected, one.actual) for one in checks], words=6)
-    for one in failed:
-        print(f"\nFAIL {', '.join(one.cell)}: expected {one.expected}, got {one.actual}")
-        rerun = one.first(MOST_SEEDS).rerun
-        if rerun:
-            print(f"  again: {rerun}")
-        if rerun and len(one.seeds) > MOST_SEEDS:
-            print(f"  the {MOST_SEEDS} worst of {len(one.seeds)} seeds; --json has all")
+    if commands := repeats(failed):
+        print("\nagain, the worst seeds first:", *commands, sep="\n  ")
     counts: Counter[str] = Counter(one.outcome for one in checks)
     print("\n" + ", ".join(f"{counts[outcome]} {outcome}" for outcome in WORDS))

@@ -4,11 +4,10 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from vpf_sim.evaluation.gate.checks import Check
+from vpf_sim.evaluation.gate.checks import Check, repeats
 from vpf_sim.files import write_text
 
 WORDS = {"passed": "✅ ok", "failed": "❌ fail", "skipped": "– skipped"}
-MOST_SEEDS = 10  # of a command
 
 
 def write_markdown(checks: Sequence[Check], path: Path) -> None:
@@ -18,8 +17,9 @@ def write_markdown(checks: Sequence[Check], path: Path) -> None:
     verdict = f"❌ Gate: {len(failed)} of {len(checks)} checks failed" if failed else "✅ Gate: all checks passed"
     lines = [f"## {verdict}", "", ", ".join(f"{counts[outcome]} {outcome}" for outcome in WORDS) + "."]
     if failed:
-        lines += ["", *_table(failed), "", "Drive the failures again, the worst first:", ""]
-        lines += ["```sh", *dict.fromkeys(str(one.first(MOST_SEEDS).rerun) for one in failed), "```"]
+        lines += ["", *_table(failed)]
+    if commands := repeats(failed):
+        lines += ["", "Drive the failures again, the worst seeds first:", "", "```sh", *commands, "```"]
     lines += ["", "<details><summary>All checks</summary>", "", *_table(checks), "", "</details>"]
     write_text(path, "\n".join([*lines, ""]))
 

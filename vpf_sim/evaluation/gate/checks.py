@@ -15,6 +15,7 @@ from vpf_sim.evaluation.gate.rules import Rule
 from vpf_sim.shell import command
 
 Outcome = Literal["passed", "failed", "skipped"]
+MOST_SEEDS = 10  # of a printed command; JSON and JUnit have all
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +46,12 @@ class Check:
     def first(self, count: int) -> "Check":
         """A copy with the first `count` seeds."""
         return replace(self, seeds=self.seeds[:count], drives=self.drives[:count])
+
+
+def repeats(failed: Iterable[Check]) -> list[str]:
+    """The commands that repeat failures, each once, with at most `MOST_SEEDS` seeds, the worst first."""
+    commands = (one.first(MOST_SEEDS).rerun for one in failed)
+    return list(dict.fromkeys(one for one in commands if one))
 
 
 def drive_command(cell: Cell, seeds: Sequence[int]) -> str:
