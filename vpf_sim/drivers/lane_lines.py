@@ -3,10 +3,11 @@
 Lines are bright ridges of a bird's-eye view (M. Bertozzi and A. Broggi, GOLD, IEEE Trans. Image Processing 7(1), 1998),
 collected by sliding windows from a pair one lane apart, and fitted by two parallel parabolas. Steering is Stanley's law
 (Thrun et al. 2006, eq. 10) with the curvature fed forward. The brake uses the divergence of the flow ahead,
-time to contact = 2 / divergence (T. Camus, Real-Time Quantized Optical Flow, 1995). It keeps its lane and stops; it
-does not pass obstacles.
+time to contact = 2 / divergence (T. Camus, Real-Time Quantized Optical Flow, 1995). It keeps its lane,
+stops for good before cars, and does not see low obstacles.
 """
 
+from collections import deque
 from dataclasses import astuple, dataclass, replace
 from itertools import pairwise
 from math import atan, atan2, inf, tan
@@ -29,7 +30,10 @@ LANES_M = np.arange(2.8, 4.01, 0.1)
 WINDOWS, WINDOW_M = 8, 0.35  # count and half width
 LEAST_POINTS = 25
 SMOOTHING = 0.35  # weight of the newest lane
-BRAKE_TTC_S, CONFIRMING = 2.0, 3  # frames
+BOX_AHEAD_M = 9.0  # where the watched box is as wide as the car
+BASELINE = 4  # frames over which growth is measured
+BRAKE_TTC_S, CONFIRMING = 1.8, 2  # s, frames
+MOST_POINTS, FEWEST_POINTS = 60, 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,37 +152,49 @@ def _follow(forward_m: Floats, right_m: Floats, start_m: float, expected: LaneFi
 
 
 class ContactBrake:
-    """Time to contact with what is ahead, by the divergence of the flow around the heading."""
+    """Times to contact with what is ahead, by the growth of its image over a few frames.
+
+    The box that is watched lies at the width of the car; its parts overlap, since a background that does not grow
+    outweighs an obstacle that covers a small part.
+    """
 
     def __init__(self, camera: Camera) -> None:
-        corners = project(camera, np.array([(18.0, -1.4, 1.5), (18.0, 1.4, 0.3)]))
-        self._box = tuple(np.round(corners).astype(int).ravel().tolist())
-        self._last: Image | None = None
+        corners = project(camera, np.array([(BOX_AHEAD_M, -1.3, 1.6), (BOX_AHEAD_M, 1.3, 0.4)]))
+        self._box = np.round(corners).astype(int).ravel().tolist()
+        self._seen: deque[tuple[float, Image]] = deque(maxlen=BASELINE + 1)  # time s, grey box
         self._alarms = 0
 
-    def alarm(self, image: Image, elapsed_s: float) -> bool:
+    def alarm(self, image: Image, time_s: float) -> bool:
         """Whether several frames in a row show a contact within `BRAKE_TTC_S`."""
         left, top, right, bottom = self._box
         grey: Image = cv2.cvtColor(image[top:bottom, left:right], cv2.COLOR_RGB2GRAY).astype(np.uint8, copy=False)
-        last, self._last = self._last, grey
-        if last is not None and elapsed_s > 0.0:
-            self._alarms = self._alarms + 1 if self._ttc_s(last, grey, elapsed_s) < BRAKE_TTC_S else 0
+        self._seen.append((time_s, grey))
+        (then_s, then), (now_s, now) = self._seen[0], self._seen[-1]
+        width = then.shape[1]
+        parts = [slice(k * width // 4, (k + 2) * width // 4) for k in range(3)]
+        is_near = len(self._seen) > BASELINE and any(
+            _ttc_s(then, now, part, now_s - then_s) < BRAKE_TTC_S for part in parts
+        )
+        self._alarms = self._alarms + 1 if is_near else 0
         return self._alarms >= CONFIRMING
 
-    @staticmethod
-    def _ttc_s(last: Image, now: Image, elapsed_s: float) -> float:
-        points = cv2.goodFeaturesToTrack(last, 60, 0.02, 4)
-        if points is None or len(points) < 8:
-            return inf
-        moved, status, _ = cv2.calcOpticalFlowPyrLK(last, now, points, None)  # type: ignore[call-overload]
-        good = status.ravel() == 1
-        if good.sum() < 8:
-            return inf
-        affine, inliers = cv2.estimateAffinePartial2D(points[good], moved[good], ransacReprojThreshold=0.5)
-        if affine is None or inliers.sum() < 8:
-            return inf
-        growth = float(np.hypot(affine[0, 0], affine[1, 0])) - 1.0  # half the divergence
-        return elapsed_s / growth if growth > 1e-4 else inf
+
+def _ttc_s(then: Image, now: Image, columns: slice, elapsed_s: float) -> float:
+    """Time to contact by a similarity between some columns of two images; inf where too few points agree."""
+    mask = np.zeros_like(then)
+    mask[:, columns] = 255
+    points = cv2.goodFeaturesToTrack(then, MOST_POINTS, 0.02, 4, mask=mask)
+    if points is None or len(points) < FEWEST_POINTS:
+        return inf
+    moved, status, _ = cv2.calcOpticalFlowPyrLK(then, now, points, None)  # type: ignore[call-overload]
+    good = status.ravel() == 1
+    if good.sum() < FEWEST_POINTS:
+        return inf
+    similarity, inliers = cv2.estimateAffinePartial2D(points[good], moved[good], ransacReprojThreshold=1.0)
+    if similarity is None or inliers.sum() < max(FEWEST_POINTS, 0.4 * len(points)):
+        return inf
+    growth = float(np.hypot(similarity[0, 0], similarity[1, 0])) - 1.0  # half the divergence, times the time
+    return elapsed_s / growth if growth > 1e-4 else inf
 
 
 class LaneLinesDriver(Driver):
@@ -195,14 +211,13 @@ class LaneLinesDriver(Driver):
         self._frame_s, self._stopping = -inf, False
 
     def act(self, observation: Observation) -> Command:
-        elapsed_s = observation.frame_time_s - self._frame_s
-        if elapsed_s > 0.9 / FRAME_HZ:
+        if observation.frame_time_s - self._frame_s > 0.9 / FRAME_HZ:
             self._frame_s = observation.frame_time_s
-            self._look(observation, elapsed_s)
+            self._look(observation)
         throttle = -1.0 if self._stopping else self._speed.throttle(observation.speed_mps)
         return Command(throttle, self._steer(observation.speed_mps))
 
-    def _look(self, observation: Observation, elapsed_s: float) -> None:
+    def _look(self, observation: Observation) -> None:
         pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
         if self._lane is not None:
             moved = pose - self._pose
@@ -211,7 +226,7 @@ class LaneLinesDriver(Driver):
         found = fit_lane(ridges(self._above.of(observation.image)), self._lane)
         if found is not None:
             self._lane = found if self._lane is None else self._lane.blend(found, SMOOTHING)
-        self._stopping |= self._brake.alarm(observation.image, elapsed_s)
+        self._stopping |= self._brake.alarm(observation.image, observation.frame_time_s)
 
     def _steer(self, speed_mps: float) -> float:
         """Stanley's law at the front axle, with the bend's steering angle in advance."""

@@ -61,7 +61,7 @@ _REGISTRY: dict[str, _Entry] = {
     ),
     "idm": _Entry(IdmDriver, "world", "highway-env's own driver: IDM along the lane, MOBIL across; gets all objects"),
     "lane-lines": _Entry(
-        _lane_lines, "none", "lane lines from above, Stanley's law, a brake by time to contact; stops for obstacles"
+        _lane_lines, "none", "lane lines from above, Stanley's law, a brake by time to contact; stops for cars"
     ),
     "neutral": _Entry(NeutralDriver, "none", "no throttle and no steering"),
 }
