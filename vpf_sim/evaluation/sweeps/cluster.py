@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from importlib.util import find_spec
-from logging import CRITICAL, getLogger
+from logging import CRITICAL, getLogger, root
 from queue import Empty, SimpleQueue
 from threading import Thread
 from typing import Any
@@ -28,6 +28,7 @@ from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import RunFolder, change, read_manifest
 
 MISSING = "expected Dask, which is not installed: pip install 'vpf_sim[cluster]'"
+LOGGING = ("distributed", "asyncio", "tornado")
 CONNECT_S = 4.0  # timeout for a scheduler, short so that a wrong address fails soon
 Manifest = dict[str, Any]
 
@@ -84,7 +85,7 @@ def _client(address: str) -> Any:
     fault = _unreachable(address)
     if fault is None:
         distributed = _distributed()  # sets log levels when it is imported
-        for name in ("distributed", "asyncio", "tornado.application"):
+        for name in [name for name in root.manager.loggerDict if name.partition(".")[0] in LOGGING]:
             getLogger(name).setLevel(CRITICAL)  # an InputError replaces their tracebacks
         try:
             return distributed.Client(address, timeout=CONNECT_S, name="vpf-sim", set_as_default=False)
