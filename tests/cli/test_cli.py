@@ -46,7 +46,6 @@ def vpf_sim(*arguments: str, cwd: Path | None = None, **environment: str) -> "su
         (["benchmark", "--seeds", "a:b"], "--seeds: expected A:B with whole numbers"),
         (["benchmark", "--driver", "pdi"], "unknown driver 'pdi': did you mean 'pid'?"),
         (["check", "gone", "--rules", "rules.toml"], "gone: expected a run folder, got nothing of that name"),
-        (["check", "."], "Missing option '--rules'."),
         (["score"], "Missing argument 'RUN'."),
         (["score", "gone"], "gone/manifest.json: expected the manifest of a run, got: No such file or directory"),
         (["profile", "town05"], "unknown scenario 'town05': did you mean 'town04'?"),
