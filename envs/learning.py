@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from math import cos, isfinite, sin
-from numbers import Real
-from typing import Any
+from numbers import Integral, Real
+from typing import Any, TypeGuard
 
 import cv2
 import gymnasium
@@ -81,7 +81,7 @@ class FourLanePixels(gymnasium.Env[PixelObservation, Any]):
         self._grey, self._with_state = _checked_switch("grey", grey), _checked_switch("state", state)
         self.render_mode = render_mode
         width_px, height_px = _checked_size(image_size)
-        rig = Rig(Camera.of(width_px, height_px, fov_deg))
+        rig = Rig(Camera.of(width_px, height_px, _checked_angle(fov_deg)))
         self._worlds = [FourLane(one, "clear", render_mode, rig=rig) for one in _several("scenarios", scenarios)]
         self._weathers = [presets.load(one) for one in _several("weathers", weathers)]
         self._world = self._worlds[0]
@@ -173,7 +173,7 @@ class FourLanePixels(gymnasium.Env[PixelObservation, Any]):
 
     def _checked_levels(self) -> int:
         count = len(self._worlds)
-        if not isinstance(self.levels, int) or not 1 <= self.levels <= count:
+        if not _is_whole(self.levels) or not 1 <= self.levels <= count:
             raise InputError(f"levels: expected 1 to {count}, the number of scenarios, got {self.levels!r}")
         return self.levels
 
@@ -192,16 +192,27 @@ def _several(what: str, given: Any) -> list[Any]:
     return found
 
 
-def _checked_repeat(ticks: int) -> int:
-    if isinstance(ticks, bool) or not isinstance(ticks, int) or not 1 <= ticks <= MOST_REPEATS:
+def _checked_repeat(ticks: object) -> int:
+    if not _is_whole(ticks) or not 1 <= ticks <= MOST_REPEATS:
         raise InputError(f"action_repeat: expected 1 to {MOST_REPEATS} ticks, got {ticks!r}")
-    return ticks
+    return int(ticks)
 
 
 def _checked_size(size: object) -> tuple[int, int]:
-    if not isinstance(size, list | tuple) or len(size) != 2 or not all(isinstance(side, int) for side in size):
+    if not isinstance(size, list | tuple) or len(size) != 2 or not all(map(_is_whole, size)):
         raise InputError(f"image_size: expected (width, height) in pixels, got {size!r}")
-    return size[0], size[1]
+    return int(size[0]), int(size[1])
+
+
+def _checked_angle(degrees: object) -> float:
+    if not isinstance(degrees, Real) or isinstance(degrees, bool):
+        raise InputError(f"fov_deg: expected a number of degrees, got {degrees!r}")
+    return float(degrees)
+
+
+def _is_whole(value: object) -> TypeGuard[int]:
+    """Whether a value is a whole number, also one of numpy's."""
+    return isinstance(value, Integral) and not isinstance(value, bool)
 
 
 def _checked_switch(what: str, value: object) -> bool:

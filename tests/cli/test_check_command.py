@@ -166,4 +166,4 @@ def test_the_default_rules_are_for_the_scenarios_of_the_gate(
     assert cli.run(["check", str(run(tmp_path / "good", lambda _: {"path_mse_m2": 0.1}, gates)), "--json"]) == 0
     assert {row["outcome"] for row in json.loads(capsys.readouterr().out)["checks"]} <= {"passed", "skipped"}
     assert cli.run(["check", str(run(tmp_path / "other", lambda _: {}))]) == 2
-    assert "default_rules.toml: rules[0].scenario: not in" in capsys.readouterr().err
+    assert "without --rules, expected the scenarios gate-course and gate-traffic, got" in capsys.readouterr().err

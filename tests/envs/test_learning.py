@@ -115,6 +115,8 @@ def test_levels_limit_the_draw_to_the_first_scenarios() -> None:
     [
         ({"action_repeat": 0}, "action_repeat: expected 1 to 60 ticks, got 0"),
         ({"image_size": 84}, r"image_size: expected \(width, height\) in pixels, got 84"),
+        ({"action_repeat": True}, "action_repeat: expected 1 to 60 ticks, got True"),
+        ({"fov_deg": "wide"}, "fov_deg: expected a number of degrees, got 'wide'"),
         ({"grey": "yes"}, "grey: expected True or False, got 'yes'"),
         ({"scenarios": []}, "scenarios: expected at least one, got none"),
         ({"weathers": "sunny"}, "weather 'sunny'"),

@@ -78,7 +78,7 @@ def test_folder_has_records_timing_video_and_page(run: Path) -> None:
 
 def test_page_begins_with_the_users_drive_and_ends_with_cells_of_the_paper_without_a_recording(run: Path) -> None:
     page = html.unescape((run / "report.html").read_text())
-    assert "<h1>What vpf would have done on bend</h1>" in page
+    assert "<h1>What vpf commands on bend</h1>" in page
     (poster,) = re.findall(r'<video [^>]*poster="(data:image/jpeg;base64,[^"]+)" src="data:video', page)
     assert len(poster) > 1000
     drive, *tables = page[page.index('<section class="drive">') :].split('<details id="table')

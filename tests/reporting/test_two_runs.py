@@ -112,14 +112,29 @@ def test_where_no_ending_changed_the_most_changed_path_is_shown(tmp_path: Path) 
     first = run(tmp_path / "a", lambda _: {})
     runs = open_two(first, run(tmp_path / "b", lambda job: {"path_mse_m2": 0.9 if job.seed == 5 else 0.5}))
     assert [pair.jobs[0].seed for pair in changes.choose(runs.pairs, 4)] == [5]
-    assert changes.choose(open_two(first, first).pairs, 4) == []
+    assert changes.choose(open_two(first, run(tmp_path / "same", lambda _: {})).pairs, 4) == []
+
+
+def test_one_run_twice_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = run(tmp_path / "a", before)
+    assert cli.run(["report", str(folder), str(folder)]) == 2
+    assert capsys.readouterr().err == f"vpf-sim: report: expected two runs, got {folder} twice\n"
+
+
+def test_episodes_that_one_run_has_not_driven_are_left_out(tmp_path: Path) -> None:
+    first, stopped = run(tmp_path / "a", before), run(tmp_path / "b", before)
+    lines = (stopped / "episodes.jsonl").read_text().splitlines(keepends=True)
+    (stopped / "episodes.jsonl").write_text("".join(lines[:5]))
+    runs = open_two(first, stopped)
+    assert len(runs.pairs) == 5
+    assert runs.left_out == (7, 7)
 
 
 def test_the_page_begins_with_the_answer(tmp_path: Path) -> None:
     runs = open_two(run(tmp_path / "a", before), run(tmp_path / "b", after))
     html = compare_page.make(runs, 4, lambda _: None)
     (title,) = re.findall(r"<h1>(.*)</h1>", html)
-    assert title.startswith("b against a: vpf on town04 — clear — seeds 0–11 — ")
+    assert title == "b against a: vpf on town04 — clear — seeds 0–11"
     first, second, third = re.findall(r"<li>(.*)</li>", html[: html.index("<figure>")])
     assert first.startswith("b reached the goal in 10 of 12 episodes, a in 9: 8 percentage points more often than a (")
     assert second == "Of 12 episodes 2 now reach the goal, 1 no longer do."
@@ -160,9 +175,7 @@ def test_runs_without_a_common_episode_are_one_line(
     a, b = run(tmp_path / "a", before), run(tmp_path / "b", before, world, **plan)
     assert cli.run(["report", str(a), str(b)]) == 2
     error = capsys.readouterr().err
-    assert error.startswith(
-        "vpf-sim: report: expected an episode (scenario, weather, driver, seed) of both runs, got none: "
-    )
+    assert error.startswith("vpf-sim: report: expected an episode that both runs have driven, got none: ")
     assert error.count("\n") == 1
     assert said in error
     assert not (b / "compare.html").exists()

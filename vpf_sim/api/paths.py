@@ -8,11 +8,12 @@ from typing import TypeAlias
 from vpf_sim.errors import InputError, option, shown
 
 StrPath: TypeAlias = str | os.PathLike[str]
+OF_A_RUN = ("manifest.json", "episodes.jsonl", "timing.jsonl", "summary.json")
 
 
 def text(what: str, given: StrPath) -> str:
     """A name or path as text; InputError for anything else."""
-    if not isinstance(given, str | os.PathLike):
+    if not isinstance(given, str | os.PathLike) or not os.fspath(given):
         raise InputError(f"{option(what)}: expected a name or a path, got {shown(given)}")
     return os.fspath(given)
 
@@ -23,10 +24,10 @@ def texts(what: str, given: StrPath | Iterable[StrPath]) -> list[str]:
     return [text(what, one) for one in several]
 
 
-def output_file(what: str, given: StrPath | None) -> Path | None:
+def output_file(what: str, given: StrPath | None, ending: str = "") -> Path | None:
     """The path of an output file, if there is one; InputError, before a long computation, if it cannot be written.
 
-    Its folder must exist, since a mistyped folder would be hard to find.
+    Its folder must exist, since a mistyped folder would be hard to find. The files that make a run are refused.
     """
     if given is None:
         return None
@@ -35,4 +36,8 @@ def output_file(what: str, given: StrPath | None) -> Path | None:
         raise InputError(f"{where}: {path}: expected the name of a file, got a folder")
     if not path.parent.is_dir():
         raise InputError(f"{where}: {path}: expected a folder that exists, found no {path.parent}")
+    if path.name in OF_A_RUN and (path.parent / "manifest.json").exists():
+        raise InputError(f"{where}: {path}: expected a file that the run does not need, got its {path.name}")
+    if path.suffix.lower() != ending and ending:
+        raise InputError(f"{where}: {path}: expected a name that ends in {ending}")
     return path

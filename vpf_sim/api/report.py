@@ -32,7 +32,7 @@ def report(
 
     if type(clips) is not int or clips < 0:
         raise InputError(f"{option('clips')}: expected a whole number >= 0, got {shown(clips)}")
-    file = output_file("out", out)
+    file = output_file("out", out, ".html")
     found = _opened(run)
     with one_thread():
         if other is None:

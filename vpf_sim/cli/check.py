@@ -9,6 +9,7 @@ import typer
 from vpf_sim.api.paths import output_file
 from vpf_sim.cli.options import JsonOption, RunArgument, print_json
 from vpf_sim.cli.tables import print_table
+from vpf_sim.errors import InputError
 
 if TYPE_CHECKING:
     from vpf_sim.evaluation.gate.checks import Check
@@ -21,6 +22,7 @@ JunitOption = Annotated[Path | None, typer.Option("--junit", metavar="FILE", hel
 MarkdownOption = Annotated[
     Path | None, typer.Option("--markdown", metavar="FILE", help="Write the results as Markdown.")
 ]
+GATE = ("gate-course", "gate-traffic")  # the scenarios of the default rules
 WORDS = {"passed": "ok", "failed": "FAIL", "skipped": "-"}
 
 
@@ -39,8 +41,12 @@ def check(
     from vpf_sim.reporting.junit import write_junit
 
     junit, markdown = output_file("junit", junit), output_file("markdown", markdown)
-    file = rules or DEFAULT_RULES
-    checks = gate.check(read_run(run), read_rules(file), file)
+    if junit is not None and junit == markdown:
+        raise InputError(f"--markdown: {markdown}: expected another file than that of --junit")
+    found, file = read_run(run), rules or DEFAULT_RULES
+    if rules is None:
+        _check_defaults(run, {cell.scenario for cell in found.cells})
+    checks = gate.check(found, read_rules(file), file)
     if junit is not None:
         write_junit(checks, junit)
     if markdown is not None:
@@ -51,6 +57,15 @@ def check(
     else:
         _print(checks, failed)
     raise typer.Exit(int(bool(failed)))
+
+
+def _check_defaults(run: Path, scenarios: set[str]) -> None:
+    """InputError for a run that the default rules are not made for."""
+    if scenarios != set(GATE):
+        raise InputError(
+            f"{run}: without --rules, expected the scenarios {' and '.join(GATE)}, got {', '.join(sorted(scenarios))}; "
+            "for others give --rules FILE"
+        )
 
 
 def _row(check: "Check") -> dict[str, object]:

@@ -34,7 +34,12 @@ def print_plan(plan: "Plan", run: "RunOptions") -> None:
     lines = [(*cell, str(len(seeds)), in_short(seeds)) for cell, seeds in cells.items()]
     print_table(("scenario", "weather", "driver", "episodes", "seeds"), lines, words=3)
     stored = f", {len(done)} are stored" if run.resume else ""
-    print(f"\n{episodes} episodes to drive in {len(cells)} cells{stored}; nothing was driven or written")
+    to_drive = f"{_counted(episodes, 'episode')} to drive in {_counted(len(cells), 'cell')}"
+    print(f"\n{to_drive}{stored}; nothing was driven or written")
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}" + "s" * (count != 1)
 
 
 def in_short(seeds: list[int]) -> str:

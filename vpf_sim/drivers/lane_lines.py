@@ -4,7 +4,7 @@ Lines are bright ridges of a bird's-eye view (M. Bertozzi and A. Broggi, GOLD, I
 collected by sliding windows from a pair one lane apart, and fitted by two parallel parabolas. Steering is Stanley's law
 (Thrun et al. 2006, eq. 10) with the curvature fed forward. The brake uses the divergence of the flow ahead,
 time to contact = 2 / divergence (T. Camus, Real-Time Quantized Optical Flow, 1995). It keeps its lane,
-stops for good before cars, and does not see low obstacles.
+brakes for good before cars, often too late for a moving one, and does not see low obstacles.
 """
 
 from collections import deque
@@ -34,6 +34,7 @@ BOX_AHEAD_M = 9.0  # where the watched box is as wide as the car
 BASELINE = 4  # frames over which growth is measured
 BRAKE_TTC_S, CONFIRMING = 1.8, 2  # s, frames
 MOST_POINTS, FEWEST_POINTS = 60, 8
+SMALLEST_PX = 16  # of a box with points
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,13 +161,16 @@ class ContactBrake:
 
     def __init__(self, camera: Camera) -> None:
         corners = project(camera, np.array([(BOX_AHEAD_M, -1.3, 1.6), (BOX_AHEAD_M, 1.3, 0.4)]))
-        self._box = np.round(corners).astype(int).ravel().tolist()
+        size = [camera.width_px, camera.height_px]
+        self._box = np.clip(np.round(corners).astype(int), 0, size).ravel().tolist()
         self._seen: deque[tuple[float, Image]] = deque(maxlen=BASELINE + 1)  # time s, grey box
         self._alarms = 0
 
     def alarm(self, image: Image, time_s: float) -> bool:
         """Whether several frames in a row show a contact within `BRAKE_TTC_S`."""
         left, top, right, bottom = self._box
+        if right - left < SMALLEST_PX or bottom - top < SMALLEST_PX:
+            return False  # the camera does not show what is ahead
         grey: Image = cv2.cvtColor(image[top:bottom, left:right], cv2.COLOR_RGB2GRAY).astype(np.uint8, copy=False)
         self._seen.append((time_s, grey))
         (then_s, then), (now_s, now) = self._seen[0], self._seen[-1]
@@ -213,11 +217,11 @@ class LaneLinesDriver(Driver):
     def act(self, observation: Observation) -> Command:
         if observation.frame_time_s - self._frame_s > 0.9 / FRAME_HZ:
             self._frame_s = observation.frame_time_s
-            self._look(observation)
+            self._observe(observation)
         throttle = -1.0 if self._stopping else self._speed.throttle(observation.speed_mps)
         return Command(throttle, self._steer(observation.speed_mps))
 
-    def _look(self, observation: Observation) -> None:
+    def _observe(self, observation: Observation) -> None:
         pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
         if self._lane is not None:
             moved = pose - self._pose

@@ -96,7 +96,7 @@ def _class_at(name: str) -> type:
     except (ImportError, ValueError) as error:
         raise InputError(f"driver '{name}': cannot import '{module_name}': {error}") from error
     except Exception as error:
-        raise InputError(f"driver '{name}': importing '{module_name}' raised {_told(error)}") from error
+        raise InputError(f"driver '{name}': importing '{module_name}' raised {_one_line(error)}") from error
     found = getattr(module, class_name, None)
     if not isinstance(found, type):
         raise InputError(f"driver '{name}': module '{module_name}' has no class '{class_name}'")
@@ -110,9 +110,9 @@ def _instance(kind: type, name: str) -> object:
     except TypeError as error:
         raise InputError(f"driver '{name}': expected a class that is made without arguments: {error}") from error
     except Exception as error:
-        raise InputError(f"driver '{name}': making it raised {_told(error)}") from error
+        raise InputError(f"driver '{name}': making it raised {_one_line(error)}") from error
 
 
-def _told(error: Exception) -> str:
+def _one_line(error: Exception) -> str:
     """An exception of a user's own code in one line; the exception itself is chained."""
     return " ".join(f"{type(error).__name__}: {error}".split())

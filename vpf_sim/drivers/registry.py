@@ -60,9 +60,7 @@ _REGISTRY: dict[str, _Entry] = {
         lambda: RouteDriver("stanley"), "route", "steers by heading and cross-track error; blind to obstacles"
     ),
     "idm": _Entry(IdmDriver, "world", "highway-env's own driver: IDM along the lane, MOBIL across; gets all objects"),
-    "lane-lines": _Entry(
-        _lane_lines, "none", "lane lines from above, Stanley's law, a brake by time to contact; stops for cars"
-    ),
+    "lane-lines": _Entry(_lane_lines, "none", "lane lines from above, Stanley's law, a brake by time to contact"),
     "neutral": _Entry(NeutralDriver, "none", "no throttle and no steering"),
 }
 

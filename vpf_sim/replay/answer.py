@@ -8,10 +8,10 @@ from vpf_sim.reporting.cells import formatted
 
 
 def title(records: Sequence[dict[str, Any]]) -> str:
-    """What the page shows: "What vpf would have done on my_drive"."""
+    """What the page shows: "What vpf commands on my_drive"."""
     if not records:
         return "No drive was replayed"
-    return f"What {records[0]['driver']} would have done on {listed([record['name'] for record in records])}"
+    return f"What {records[0]['driver']} commands on {listed([record['name'] for record in records])}"
 
 
 def drive_of(record: dict[str, Any]) -> str:

@@ -1,8 +1,9 @@
-"""Pictures of episodes whose ending changed between two runs: both films, and both paths over the road."""
+"""Pictures of episodes whose ending changed between two runs: both videos, and both paths over the road."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from markupsafe import Markup
 
 from vpf_sim.errors import InputError
@@ -17,7 +18,7 @@ from vpf_sim.reporting.stored_run import Record
 from vpf_sim.reporting.two_runs import Pair, TwoRuns
 
 STYLES = ("d1", "d0")  # of A and B
-BEYOND_M = 15.0  # of the film of the other episode, beyond the failure
+BEYOND_M = 15.0  # of the video of the other episode, beyond the failure
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +27,7 @@ class Change:
 
     name: str
     endings: tuple[str, str]
-    films: tuple[Clip | None, Clip | None]
+    videos: tuple[Clip | None, Clip | None]
     above: Markup | None
 
 
@@ -35,26 +36,24 @@ def choose(pairs: Sequence[Pair], count: int) -> list[Pair]:
     changed = sorted((pair for pair in pairs if pair.changed), key=lambda pair: succeeded(pair.records[1]))
     if changed or not count:
         return changed[:count]
-    driven = [pair for pair in pairs if all(record and record["path_mse_m2"] is not None for record in pair.records)]
+    driven = [pair for pair in pairs if all(record["path_mse_m2"] is not None for record in pair.records)]
     return sorted(filter(_path_change, driven), key=_path_change, reverse=True)[:1]
 
 
 def make(runs: TwoRuns, pair: Pair, notify: Callable[[str], None]) -> Change:
-    """The pictures of a pair, with films if PyAV is installed; `notify` receives why one is missing."""
+    """The pictures of a pair, with videos if PyAV is installed; `notify` receives why one is missing."""
     tables = [one.run.steps(job.id) for one, job in zip((runs.a, runs.b), pair.jobs, strict=True)]
     end_m = _place_m(pair, tables)
-    films = []
+    videos = []
     for run, job, record in zip((runs.a, runs.b), pair.jobs, pair.records, strict=True):
-        films.append(_film(run, record, end_m, notify) if record and video.is_available() else None)
-        notify(f"{job.id}: {'rendered' if films[-1] else 'no film'}")
+        videos.append(_video(run, record, end_m, notify) if video.is_available() else None)
+        notify(f"{job.id}: {'rendered' if videos[-1] else 'no video'}")
     first, second = (ending(record) for record in pair.records)
-    return Change(name(pair), (first, second), (films[0], films[1]), _above(pair, tables, end_m, notify))
+    return Change(name(pair), (first, second), (videos[0], videos[1]), _above(pair, tables, end_m, notify))
 
 
-def ending(record: Record | None) -> str:
+def ending(record: Record) -> str:
     """How an episode ended, as text: "collision with a car"."""
-    if record is None:
-        return "not driven"
     hit = f" with a {record['collided_with']}" if record.get("collided_with") else ""
     return f"{record['status'].replace('_', ' ')}{hit}"
 
@@ -66,22 +65,27 @@ def name(pair: Pair) -> str:
 
 
 def _path_change(pair: Pair) -> float:
-    one, other = (float(record["path_mse_m2"]) for record in pair.records if record)
+    one, other = (float(record["path_mse_m2"]) for record in pair.records)
     return abs(one - other)
 
 
 def _place_m(pair: Pair, tables: Sequence[StepTable | None]) -> float:
-    """Where to look, along the route: the end of the episode that failed, or the largest offset from the lane."""
+    """Where to look, along the route: the end of the episode that failed, or where the paths lie farthest apart."""
     failed = [
         table for record, table in zip(pair.records, tables, strict=True) if table is not None and not succeeded(record)
     ]
     driven = [table for table in tables if table is not None]
     if failed:
         return min(float(table.route_m[-1]) for table in failed)
-    return max((float(table.route_m[abs(table.lane_offset_m).argmax()]) for table in driven), default=0.0)
+    if len(driven) < 2:
+        return 0.0
+    one, other = driven
+    route_m = np.maximum.accumulate(other.route_m)
+    apart_m = np.abs(one.lane_offset_m - np.interp(one.route_m, route_m, other.lane_offset_m))
+    return float(one.route_m[apart_m.argmax()])
 
 
-def _film(run: RunData, record: Record, end_m: float, notify: Callable[[str], None]) -> Clip | None:
+def _video(run: RunData, record: Record, end_m: float, notify: Callable[[str], None]) -> Clip | None:
     if not record["steps"]:
         return None
     try:

@@ -45,7 +45,7 @@ def title(runs: TwoRuns) -> str:
     scenarios, weathers, drivers = (
         answer.listed([name for name in dict.fromkeys(column) if AGAINST not in name]) for column in columns
     )
-    days = dict.fromkeys(answer.day(one.run.begun) for one in (runs.b, runs.a))
+    days = dict.fromkeys(answer.day(begun) for one in (runs.b, runs.a) if (begun := one.run.begun))
     seeds = failures.ranges(sorted({pair.jobs[0].seed for pair in runs.pairs}))
     what = f"{runs.labels[1]} against {runs.labels[0]}{f': {drivers}' if drivers else ''} on {scenarios}"
     return " — ".join(filter(None, (what, weathers, f"seeds {seeds}", " against ".join(days))))

@@ -14,7 +14,7 @@ from vpf_sim.evaluation.analysis.summary import summarize
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.evaluation.sweeps.json_lines import read_lines
-from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, read_manifest, read_records
+from vpf_sim.evaluation.sweeps.run_folder import read_manifest, read_records
 from vpf_sim.evaluation.sweeps.schema import Summary, Timing, checked
 from vpf_sim.shell import command
 
@@ -32,9 +32,10 @@ class StoredRun:
     timing: dict[str, dict[str, Any]]  # by id
 
     @property
-    def begun(self) -> date:
-        """The day on which the run began, when its manifest was written."""
-        return date.fromtimestamp((self.path / MANIFEST).stat().st_mtime)
+    def begun(self) -> date | None:
+        """The day on which the run began; None for one of an earlier version, which did not store it."""
+        day = self.manifest.get("begun")
+        return None if day is None else date.fromisoformat(day)
 
     def record(self, episode_id: str) -> Record:
         """The record of an episode; InputError with the nearest id if it is unknown."""

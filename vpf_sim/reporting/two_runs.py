@@ -49,10 +49,10 @@ SCORES = {
 
 
 class Pair(NamedTuple):
-    """An episode of both runs, each with its record, or None if it was not driven."""
+    """An episode that both runs have driven."""
 
     jobs: tuple[Job, Job]
-    records: tuple[Record | None, Record | None]
+    records: tuple[Record, Record]
 
     @property
     def changed(self) -> bool:
@@ -81,7 +81,7 @@ class TwoRuns:
 
     @classmethod
     def of(cls, a: RunData, b: RunData) -> "TwoRuns":
-        """The episodes in both runs; InputError where there is none."""
+        """The episodes that both runs have driven; InputError where there is none."""
         renamed = _renamed(a, b)
         worlds = _changed_worlds(a, b)
         planned = set(b.jobs)
@@ -89,8 +89,9 @@ class TwoRuns:
         for job in a.jobs:
             weather, driver = renamed.get(job.weather, job.weather), renamed.get(job.driver, job.driver)
             other = job._replace(weather=weather, driver=driver)
-            if other in planned and not worlds & {job.scenario, job.weather}:
-                pairs.append(Pair((job, other), (a.records.get(job.id), b.records.get(other.id))))
+            records = a.records.get(job.id), b.records.get(other.id)
+            if other in planned and not worlds & {job.scenario, job.weather} and records[0] and records[1]:
+                pairs.append(Pair((job, other), (records[0], records[1])))
         if not pairs:
             raise InputError(_nothing_shared(a, b, worlds))
         return cls(a, b, _labels(a, b, renamed), tuple(pairs), tuple(sorted(map(shown, worlds))))
@@ -124,7 +125,7 @@ class TwoRuns:
                 for cell, pairs in self.cells().items()
             ],
             "changed": [
-                {"ids": [job.id for job in pair.jobs], "statuses": [_status(record) for record in pair.records]}
+                {"ids": [job.id for job in pair.jobs], "statuses": [str(record["status"]) for record in pair.records]}
                 for pair in self.pairs
                 if pair.changed
             ],
@@ -132,7 +133,9 @@ class TwoRuns:
 
 
 def open_two(a: Path, b: Path) -> TwoRuns:
-    """The runs in two folders."""
+    """The runs in two folders; InputError for the same one twice."""
+    if a.resolve() == b.resolve():
+        raise InputError(f"report: expected two runs, got {a} twice")
     return TwoRuns.of(RunData.of(open_run(a)), RunData.of(open_run(b)))
 
 
@@ -158,7 +161,7 @@ def _compare(pairs: Iterable[Pair], key: str, score: Score) -> Compared | None:
 
 def _values(pairs: Iterable[Pair], key: str, of_all: bool) -> Iterable[tuple[float, float]]:
     for one, other in (pair.records for pair in pairs):
-        if one is None or other is None or not (of_all or (succeeded(one) and succeeded(other))):
+        if not (of_all or (succeeded(one) and succeeded(other))):
             continue
         before, after = value_at(one, key), value_at(other, key)
         if before is not None and after is not None:
@@ -167,8 +170,10 @@ def _values(pairs: Iterable[Pair], key: str, of_all: bool) -> Iterable[tuple[flo
 
 def verdict(found: Difference, sign: int) -> Verdict:
     """Whether a difference is better or worse beyond its interval and by its test; `sign` is + where more is better."""
+    if found.difference == 0.0 and found.p == 1.0:
+        return "same"
     if found.interval is None:  # a single pair, or equal differences
-        return "same" if found.difference == 0.0 else "undecided"
+        return "undecided"
     low, high = found.interval
     if low <= 0.0 <= high or found.p >= 1.0 - LEVEL:  # of few pairs the interval alone is too narrow
         return "undecided"
@@ -203,11 +208,8 @@ def _labels(a: RunData, b: RunData, renamed: dict[str, str]) -> tuple[str, str]:
 def _nothing_shared(a: RunData, b: RunData, worlds: set[str]) -> str:
     where = f"; of another content under the same name: {', '.join(sorted(worlds))}" if worlds else ""
     plans = f"{a.run.path} has {title(a.plan)}, {b.run.path} has {title(b.plan)}"
-    return f"report: expected an episode (scenario, weather, driver, seed) of both runs, got none: {plans}{where}"
-
-
-def _status(record: Record | None) -> str:
-    return "missing" if record is None else str(record["status"])
+    driven = f"{len(a.records)} of {len(a.jobs)} and {len(b.records)} of {len(b.jobs)} episodes are driven"
+    return f"report: expected an episode that both runs have driven, got none: {plans}; {driven}{where}"
 
 
 def _as_json(found: dict[str, Compared]) -> dict[str, Any]:

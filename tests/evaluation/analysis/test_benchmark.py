@@ -6,11 +6,10 @@ from typing import Any
 
 import pytest
 
-from vpf_sim.cli.results import exit_code, print_benchmark, print_comparisons, print_rows
+from vpf_sim.cli.results import exit_code, print_comparisons, print_rows
 from vpf_sim.cli.run_options import RunOptions
 from vpf_sim.cli.running import plan_of
 from vpf_sim.evaluation.analysis import benchmark
-from vpf_sim.evaluation.analysis.benchmark import with_paper
 
 
 def row(scenario: str, driver: str, successes: int, **changes: Any) -> dict[str, Any]:
@@ -55,31 +54,6 @@ def test_the_benchmark_drives_the_papers_cells_with_its_drivers() -> None:
     }
     assert {job.seed for job in plan.jobs()} == {1000, 1001}
     assert benchmark.plan(None, ["pid"]).driver == ("pid",)
-
-
-def test_the_papers_numbers_are_beside_ours(capsys: pytest.CaptureFixture[str]) -> None:
-    rows = [row("town04", "pid", 0), row("town04", "vpf", 4), row("town04-clean", "vpf", 5)]
-    rows += [row("town04", "vpf", 3, weather="rain"), row("town04-clean", "vpf", 5, weather="rain")]
-    print_benchmark(with_paper({"rows": rows})["rows"], "1000:1005")
-    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
-    for cell in (
-        "town04-clean clear the paper 0.42 82.34 72.14",
-        "town04-clean rain the paper 0.97 78.45 67.12",
-        "town04 clear the paper 0.74 78.51 71.67",
-        "town04 rain the paper 1.34 70.76 65.45",
-    ):
-        assert cell.split() in lines
-    ours = "town04 clear vpf 4/5 0.123 [0.100, 0.150] 81.2 / 50.0 / 25.0 97.5 / - / 100.0 0.61"
-    assert ours.split() in lines
-    beaten = "town04 clear pid [route] 0/5 (0.123) (81.2 / 50.0 / 25.0) (97.5 / - / 100.0) 0.61"
-    assert beaten.split() in lines
-    protocols = "town04 clear vpf 81.2 / 97.5 90.0 / 95.0 - / - 81.2 / 97.5 90.0 / 95.0 - / -"
-    assert protocols.split() in lines
-    table = [line[:2] for line in lines if line and line[0].startswith("town04")][: len(rows) + 4]
-    cells = [(scenario, weather) for scenario in ("town04-clean", "town04") for weather in ("clear", "rain")]
-    assert [tuple(cell) for cell in dict.fromkeys(map(tuple, table))] == cells, (
-        "first without obstacles, as in the paper"
-    )
 
 
 def test_a_sweeps_table_brackets_scores_without_success(capsys: pytest.CaptureFixture[str]) -> None:

@@ -49,9 +49,19 @@ class Check:
 
 
 def repeats(failed: Iterable[Check]) -> list[str]:
-    """The commands that repeat failures, each once, with at most `MOST_SEEDS` seeds, the worst first."""
-    commands = (one.first(MOST_SEEDS).rerun for one in failed)
-    return list(dict.fromkeys(one for one in commands if one))
+    """The commands that repeat failures, one for each cell, with at most `MOST_SEEDS` seeds, the worst first."""
+    merged: dict[tuple[Cell, str], Check] = {}
+    for one in failed:
+        before = merged.get((one.cell, one.folder))
+        if before is None:
+            merged[one.cell, one.folder] = one
+            continue
+        seeds = tuple(dict.fromkeys(before.seeds + one.seeds))
+        merged[one.cell, one.folder] = replace(
+            one, seeds=seeds, drives=tuple(dict.fromkeys(before.drives + one.drives))
+        )
+    commands = (one.first(MOST_SEEDS).rerun for one in merged.values())
+    return [one for one in commands if one]
 
 
 def drive_command(cell: Cell, seeds: Sequence[int]) -> str:

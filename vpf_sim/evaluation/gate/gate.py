@@ -69,6 +69,8 @@ def _without_values(cell: Cell, expected: str, score: Score | Detail, episodes: 
     """The check of a cell without values: nothing to measure, or no successful episode."""
     if any(episode is not None and episode.succeeded for episode in episodes.values()):
         return Check(cell, expected, "no obstacles" if score == "clearance_m" else "not measured", "skipped")
+    if score in OF_PERCEPTION and not any(episode is not None and episode.perception for episode in episodes.values()):
+        return Check(cell, expected, "no perception shown", "skipped")
     return Check(cell, expected, "no successful episode", "failed", tuple(sorted(episodes)))
 
 
@@ -127,4 +129,6 @@ BOUND_KINDS = {
     "precision_at_least": BoundKind("precision", fmean),
     "false_positives_per_minute_at_most": BoundKind("false_positives_per_minute", fmean, " 1/min"),
 }
+# Scores of what a driver perceives while it drives.
+OF_PERCEPTION = ("edge_error_m", "foe_error_px", "recall", "precision", "false_positives_per_minute")
 PERFECT: dict[Score | Detail, float] = {"success_rate": 1.0, "collisions": 0.0, "comfortable_share": 1.0}

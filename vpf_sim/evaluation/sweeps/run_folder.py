@@ -5,7 +5,7 @@ import os
 import shutil
 from contextlib import ExitStack, closing, suppress
 from dataclasses import asdict
-from datetime import datetime
+from datetime import date, datetime
 from pathlib import Path
 from typing import Any
 
@@ -59,10 +59,11 @@ def _begun_ns(manifest: Path) -> int:
 
 
 def manifest(command: str, plan: Plan) -> dict[str, Any]:
-    """The manifest: command, plan, fingerprint, and hashes of scenarios, weathers and drivers."""
+    """The manifest: command, plan, day, fingerprint, and hashes of scenarios, weathers and drivers."""
     forget_code()
     asked = {key: value for key, value in asdict(plan).items() if value}
-    return {"schema": 1, "command": command, "plan": asked, "fingerprint": fingerprint(), **plan.check()}
+    known = {"schema": 1, "command": command, "plan": asked, "begun": date.today().isoformat()}
+    return {**known, "fingerprint": fingerprint(), **plan.check()}
 
 
 class RunFolder:

@@ -112,6 +112,7 @@ class Manifest(Schema):
     weathers: dict[str, str]
     drivers: dict[str, str] = {}
     privileged: dict[str, str] = {}
+    begun: str | None = None  # ISO 8601
 
 
 class Paper(Schema):
