@@ -45,6 +45,8 @@ def test_the_commands_exist(command: str, capsys: pytest.CaptureFixture[str]) ->
 def test_links_and_pictures_lead_somewhere(page: Path) -> None:
     for target in re.findall(r"\]\(([^)\s]+)\)|src=\"([^\"]+)\"", page.read_text("utf-8")):
         path, _, anchor = "".join(target).partition("#")
+        if page.name == "index.md" and path == "commands.md":  # written when the site is built
+            continue
         if path.startswith(("https://", "../../actions/")):  # the latter: pages of the repository's own workflows
             continue
         linked = page.parent / path if path else page
