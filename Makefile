@@ -39,7 +39,7 @@ slow: install
 	$(BIN)/python -m pytest -m slow
 
 benchmark: install
-	$(BIN)/vpf-sim benchmark --seeds 1000:1002
+	$(BIN)/vpf-sim benchmark --seeds 1000:1003
 
 $(VENV)/docs: $(VENV)/installed
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
