@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from math import cos, isfinite, sin
+from math import isfinite
 from numbers import Integral, Real
 from typing import Any, TypeGuard
 
@@ -18,6 +18,7 @@ from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.envs.ego import MAX_SPEED_MPS, YAW_RATE_LIMIT_RADPS
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.errors import InputError
+from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.scenarios import RandomScenario, Scenario
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
@@ -154,8 +155,8 @@ class FourLanePixels(gymnasium.Env[PixelObservation, Any]):
     def _observation(self, observed: dict[str, NDArray[Any]]) -> PixelObservation:
         if not self._with_state:
             return self._image
-        x_m, y_m, yaw_rad, speed_mps, yaw_rate_radps = observed["ego"].tolist()
-        goal_m = relative(observed["goal"] - [x_m, y_m], yaw_rad)
+        pose, (speed_mps, yaw_rate_radps) = observed["ego"][:3], observed["ego"][3:].tolist()
+        goal_m = vehicle_from_world(observed["goal"], pose)
         values = [
             speed_mps / MAX_SPEED_MPS,
             yaw_rate_radps / YAW_RATE_LIMIT_RADPS,
@@ -176,12 +177,6 @@ class FourLanePixels(gymnasium.Env[PixelObservation, Any]):
         if not _is_whole(self.levels) or not 1 <= self.levels <= count:
             raise InputError(f"levels: expected 1 to {count}, the number of scenarios, got {self.levels!r}")
         return self.levels
-
-
-def relative(way_m: Floats, yaw_rad: float) -> Floats:
-    """(2,) a way in the world's axes, as forward and right of a vehicle with this yaw."""
-    x, y = way_m.tolist()
-    return np.array([x * cos(yaw_rad) + y * sin(yaw_rad), y * cos(yaw_rad) - x * sin(yaw_rad)])
 
 
 def _several(what: str, given: Any) -> list[Any]:

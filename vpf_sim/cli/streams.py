@@ -22,9 +22,8 @@ def reserve_stdout() -> None:
     Characters that the encoding lacks are written as escapes.
     """
     for name in ("stdout", "stderr"):
-        if (
-            getattr(sys, name) is None
-        ):  # closed by the parent process; else the next file that is opened would take its place
+        # One that the parent process closed: the next file that is opened would take its place.
+        if getattr(sys, name) is None:
             setattr(sys, name, _text_stream(os.open(os.devnull, os.O_WRONLY), None))
     try:
         answer = os.dup(1)

@@ -18,7 +18,8 @@ import numpy as np
 from vpf_sim.controllers.pid import SpeedPid
 from vpf_sim.controllers.pid import load_gains as pid_gains
 from vpf_sim.controllers.stanley import load_gains
-from vpf_sim.geometry import project, wrap_angle
+from vpf_sim.geometry import distance_m, project, wrap_angle
+from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.types import Bools, Camera, Command, Driver, DriverSetup, Floats, Image, Observation, VehicleModel
 
 FRAME_HZ = 20.0
@@ -80,8 +81,7 @@ class BirdsEye:
 
     def of(self, image: Image) -> Floats:
         """(rows, columns) grey levels of a frame."""
-        grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
-        above: Floats = cv2.warpPerspective(grey, self._to_above, self.size).astype(np.float32)
+        above: Floats = cv2.warpPerspective(grey(image), self._to_above, self.size).astype(np.float32)
         return above
 
     @staticmethod
@@ -171,8 +171,7 @@ class ContactBrake:
         left, top, right, bottom = self._box
         if right - left < SMALLEST_PX or bottom - top < SMALLEST_PX:
             return False  # the camera does not show what is ahead
-        grey: Image = cv2.cvtColor(image[top:bottom, left:right], cv2.COLOR_RGB2GRAY).astype(np.uint8, copy=False)
-        self._seen.append((time_s, grey))
+        self._seen.append((time_s, grey(image[top:bottom, left:right])))
         (then_s, then), (now_s, now) = self._seen[0], self._seen[-1]
         width = then.shape[1]
         parts = [slice(k * width // 4, (k + 2) * width // 4) for k in range(3)]
@@ -224,8 +223,8 @@ class LaneLinesDriver(Driver):
     def _observe(self, observation: Observation) -> None:
         pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
         if self._lane is not None:
-            moved = pose - self._pose
-            self._lane = self._lane.predict(float(np.hypot(*moved[:2])), wrap_angle(float(moved[2])))
+            turned_rad = wrap_angle(float(pose[2] - self._pose[2]))
+            self._lane = self._lane.predict(distance_m(pose, self._pose), turned_rad)
         self._pose = pose
         found = fit_lane(ridges(self._above.of(observation.image)), self._lane)
         if found is not None:
