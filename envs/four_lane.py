@@ -126,20 +126,37 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
 
     @timed("world")
     def step(
-        self, action: NDArray[np.float32], *, with_frame: bool = True
+        self, action: NDArray[np.float32], *, with_frame: bool = True, ticks: int = 1
     ) -> tuple[EnvObservation, float, bool, bool, dict[str, Any]]:
-        """Apply throttle and steering for one tick of the clock.
+        """Apply throttle and steering for one tick of the clock, or hold them for several or until the episode ends.
 
         With `with_frame=False` the frame of this step is not drawn: there is no `image`, of the truth only `foe`, and
-        all else and all later frames are the same.
+        all else and all later frames are the same. Of several ticks the camera takes only the last, like one of a lower
+        frame rate; cameras with faults take all.
         """
         ending, command = self._running("step"), _checked_action(action)
-        self.advance(command)
-        self._frame = self._take_frame(with_frame)
-        status = ending.status(self.ego, self._frame)
+        if ticks < 1:
+            raise ValueError(f"ticks: expected at least 1, got {ticks}")
+        status = self._hold(command, ticks - 1, ending)
+        if status == "running":
+            self.advance(command)
+            self._frame = self._take_frame(with_frame)
+            status = ending.status(self.ego, self._frame)
+        else:
+            self._frame = self._take_frame(with_frame)
         reward = self._reward(command, status)
         self._show()
         return self._observation(), reward, status in TERMINATED, status in TRUNCATED, self._info(status)
+
+    def _hold(self, command: Floats, ticks: int, ending: Ending) -> Status:
+        """The status after ticks without a picture, or at the first that ends the episode."""
+        status = ending.status_at_reset
+        for _ in range(ticks):
+            self.advance(command)
+            status = ending.status(self.ego, self._take_frame() if self._camera_faulty else None)
+            if status != "running":
+                break
+        return status
 
     @property
     def route_m(self) -> float:

@@ -108,25 +108,14 @@ class FourLanePixels(gymnasium.Env[PixelObservation, Any]):
         self._world = self._worlds[int(draw.integers(self._checked_levels()))]
         self._world.weather = self._weathers[int(draw.integers(len(self._weathers)))]
         observed, info = self._world.reset(seed=episode_seed)
-        self._action, self._route_m = np.zeros(2), self._world.route_m
-        self._image = self._small(observed["image"])
+        self._action, self._route_m, self._time_s = np.zeros(2), self._world.route_m, 0.0
         return self._observation(observed), info
 
     def step(self, action: Any) -> tuple[PixelObservation, float, bool, bool, dict[str, Any]]:
-        """Hold an action for one decision.
-
-        An episode that ends before the decision's last tick shows the image of the decision before.
-        """
-        offset2_m2s, ticks = 0.0, 0
-        terminated = truncated = False
-        while ticks < self._repeat and not (terminated or truncated):
-            ticks += 1
-            is_last = ticks == self._repeat
-            observed, _, terminated, truncated, info = self._world.step(action, with_frame=is_last)
-            offset2_m2s += info["lane_offset_m"] ** 2 / self._world.rate_hz
-        if "image" in observed:
-            self._image = self._small(observed["image"])
-        terms = self._terms(np.clip(np.asarray(action, float), -1.0, 1.0), offset2_m2s, ticks, info)
+        """Hold an action for one decision, or until the episode ends."""
+        observed, _, terminated, truncated, info = self._world.step(action, ticks=self._repeat)
+        before_s, self._time_s = self._time_s, float(observed["time"][0])
+        terms = self._terms(np.clip(np.asarray(action, float), -1.0, 1.0), self._time_s - before_s, info)
         info["reward_terms"] = terms
         return self._observation(observed), sum(terms.values()), terminated, truncated, info
 
@@ -138,23 +127,24 @@ class FourLanePixels(gymnasium.Env[PixelObservation, Any]):
         for world in self._worlds:
             world.close()
 
-    def _terms(self, action: Floats, offset2_m2s: float, ticks: int, info: dict[str, Any]) -> dict[str, float]:
+    def _terms(self, action: Floats, held_s: float, info: dict[str, Any]) -> dict[str, float]:
         """The weighted terms of a decision's reward, by the names of `RewardWeights`."""
         change, self._action = action - self._action, action
         gained_m, self._route_m = info["route_m"] - self._route_m, info["route_m"]
         amounts = {
             "progress": gained_m,
-            "lane": -offset2_m2s,
+            "lane": -held_s * info["lane_offset_m"] ** 2,
             "comfort": -float(change @ change),
-            "time": -ticks / self._world.rate_hz,
+            "time": -held_s,
             "contact": -float(info["status"] in ("collision", "off_road")),
             "arrival": float(info["status"] == "success"),
         }
         return {name: getattr(self._weights, name) * amount for name, amount in amounts.items()}
 
     def _observation(self, observed: dict[str, NDArray[Any]]) -> PixelObservation:
+        image = self._small(observed["image"])
         if not self._with_state:
-            return self._image
+            return image
         pose, (speed_mps, yaw_rate_radps) = observed["ego"][:3], observed["ego"][3:].tolist()
         goal_m = vehicle_from_world(observed["goal"], pose)
         values = [
@@ -163,7 +153,7 @@ class FourLanePixels(gymnasium.Env[PixelObservation, Any]):
             *goal_m / GOAL_SCALE_M,
             *self._action,
         ]
-        return {"image": self._image, "state": np.clip(values, -1.0, 1.0).astype(np.float32)}
+        return {"image": image, "state": np.clip(values, -1.0, 1.0).astype(np.float32)}
 
     def _small(self, image: Image) -> NDArray[np.uint8]:
         """(H, W, 1 or 3) the frame as observed."""

@@ -10,6 +10,7 @@ from math import cos, pi, radians
 import cv2
 import numpy as np
 
+from vpf_sim.envs.camera.detail import detail
 from vpf_sim.envs.camera.glass.pane import Pane
 from vpf_sim.envs.camera.glass.planes import ROWS
 from vpf_sim.seeding import stream
@@ -26,7 +27,7 @@ MARGIN_RAD = 0.04  # half the blade's width at its inner end, with blur
 EXPOSURE_S = 0.004
 EXPOSURES = 5  # blade positions per exposure
 MOMENTS_S = (EXPOSURE_S * np.linspace(-0.5, 0.5, EXPOSURES)).tolist()
-DIVISOR = 4  # downscaling of the blade's mask
+DIVISOR = 4  # downscaling of the blade's mask, at full detail
 
 
 class Wiper:
@@ -38,6 +39,7 @@ class Wiper:
         self._cycle_s = min(CYCLE_S, period_s)
         self._offset_s = float(stream(seed, "wiper").uniform(0.0, period_s))
         camera = pane.camera
+        self._divisor = max(1, round(DIVISOR * detail(camera)))
         y = ROWS * np.arange(-(-camera.height_px // ROWS)) + (ROWS - 1) / 2
         pixels = np.meshgrid(np.arange(camera.width_px), y)
         self.radii_m = _polar(pane, *pixels)[0]  # (h, w) distance from the pivot, on the planes
@@ -62,11 +64,11 @@ class Wiper:
         return Swath(self._pane, min(angles), max(angles), mask)
 
     def blade(self, time_s: float) -> Image | None:
-        """(H / 4, W / 4) opacity of the blade, 0..255; None outside the image."""
+        """(H / divisor, W / divisor) opacity of the blade, 0..255; None outside the image."""
         if not self._seen[0] - MARGIN_RAD <= self.angle(time_s) <= self._seen[1] + MARGIN_RAD:
             return None
         camera = self._pane.camera
-        mask: Image = np.zeros((-(-camera.height_px // DIVISOR), -(-camera.width_px // DIVISOR)), np.uint8)
+        mask: Image = np.zeros((-(-camera.height_px // self._divisor), -(-camera.width_px // self._divisor)), np.uint8)
         for quad in self._corners(np.array([self.angle(time_s + moment_s) for moment_s in MOMENTS_S])):
             once = np.zeros_like(mask)
             cv2.fillConvexPoly(once, np.rint(quad * 16.0).astype(np.int32), (255 // EXPOSURES,), cv2.LINE_AA, 4)
@@ -79,7 +81,7 @@ class Wiper:
         along = np.array([RADII_M[0], RADII_M[0], RADII_M[1], RADII_M[1]])
         across = WIDTH_M * np.array([-0.5, 0.5, 0.5, -0.5])
         u, s = PIVOT_M[0] + along * cosine + across * sine, PIVOT_M[1] - along * sine + across * cosine
-        return (np.stack(self._pane.pixels(u, s), axis=-1) + 0.5) / DIVISOR - 0.5
+        return (np.stack(self._pane.pixels(u, s), axis=-1) + 0.5) / self._divisor - 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,12 +106,13 @@ class Swath:
 
 def paint_blade(frame: Image, blade: Image) -> None:
     """Draw the blade over the frame, in place."""
+    divisor = -(-len(frame) // len(blade))
     x, y, width, height = cv2.boundingRect(blade)
     if width == 0:  # outside the image at the turning points
         return
     part = blade[y : y + height, x : x + width]
-    here = frame[DIVISOR * y : DIVISOR * (y + height), DIVISOR * x : DIVISOR * (x + width)]
-    cover = cv2.resize(part, (DIVISOR * width, DIVISOR * height))[: here.shape[0], : here.shape[1]]
+    here = frame[divisor * y : divisor * (y + height), divisor * x : divisor * (x + width)]
+    cover = cv2.resize(part, (divisor * width, divisor * height))[: here.shape[0], : here.shape[1]]
     cover = cv2.cvtColor(cv2.convertScaleAbs(cover, None, COVER), cv2.COLOR_GRAY2RGB)
     cv2.multiply(here, cv2.bitwise_not(cover), here, 1.0 / 255.0)
     cv2.add(here, cv2.convertScaleAbs(cover, None, GREY / 255.0), here)

@@ -12,6 +12,7 @@ import numpy as np
 
 from vpf_sim.envs.camera.ground.levels import Level
 from vpf_sim.envs.camera.ground.raster import Raster
+from vpf_sim.envs.camera.horizon import horizon_row
 from vpf_sim.envs.camera.view import NEAR_M, View
 from vpf_sim.types import Camera, Floats, Image
 
@@ -19,6 +20,7 @@ STEP, SIDESTEP, TURN_RAD = 0.38, 0.12, 0.06  # between anchors, in the level's n
 KEPT, LIMIT = 0.55, 0.7  # steps within which an anchor is kept; limit if the update may be deferred
 GOLDEN = 0.618  # phase shift between levels' anchor grids, so that few repaint in the same frame
 ROWS = 1.25  # texels per row of pixels
+HIGHEST = 0.45  # px, the first texels' middles below the horizon: a corner above it would lie behind the camera
 
 Place = tuple[float, float, float]  # heading, ahead, right: in turns and steps
 
@@ -32,8 +34,9 @@ class FarPatch:
         self._step, self._sidestep = STEP * level.near_m, SIDESTEP * level.near_m
         self._phase = GOLDEN * level.near_m % 1.0
         (left, top), (right, bottom) = self._corners(level)
-        self._to_texels = np.array([[1.0, 0.0, -np.floor(left)], [0.0, ROWS, -ROWS * np.floor(top)], [0.0, 0.0, 1.0]])
-        rows, columns = int(np.ceil(ROWS * (bottom - np.floor(top)))) + 2, 2 * int(0.5 * (right - np.floor(left)) + 2.0)
+        first = max(float(np.floor(top)), horizon_row(camera) + HIGHEST)
+        self._to_texels = np.array([[1.0, 0.0, -np.floor(left)], [0.0, ROWS, -ROWS * first], [0.0, 0.0, 1.0]])
+        rows, columns = int(np.ceil(ROWS * (bottom - first))) + 2, 2 * int(0.5 * (right - np.floor(left)) + 2.0)
         # puts the clipping plane well before the visible range
         self._scale = camera.height_m * NEAR_M / (0.5 * level.near_m)
         self._texel_m = (level.across_m, level.along_m / ROWS)

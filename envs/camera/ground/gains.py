@@ -5,10 +5,12 @@ another speed.
 """
 
 from functools import lru_cache
+from math import sqrt
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
+from vpf_sim.envs.camera.detail import detail
 from vpf_sim.envs.camera.ground.grain import Grain
 from vpf_sim.envs.camera.ground.levels import Level, levels
 from vpf_sim.envs.camera.ground.patches import patch_of, sample
@@ -16,7 +18,7 @@ from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
-GRADIENT = 2.7  # rms difference between neighbouring pixels of a row, in steps of the palette
+GRADIENT = 2.7  # rms difference between neighbouring pixels of a row, in steps of the palette, at full detail
 VIEWS = 6
 
 
@@ -43,7 +45,7 @@ def _gain(camera: Camera, level: Level) -> Floats:
             sample(patch, band, view.ground_homography(), rows)
             energies.append(np.mean(_energy(rows), keepdims=True))
     gradient = np.sqrt(np.mean(energies, axis=0))
-    return np.asarray(GRADIENT / gaussian_filter1d(gradient, 1.5)[:, None], np.float32)
+    return np.asarray(GRADIENT * sqrt(detail(camera)) / gaussian_filter1d(gradient, 1.5)[:, None], np.float32)
 
 
 def _energy(rows: Image) -> Floats:

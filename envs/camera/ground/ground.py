@@ -5,6 +5,7 @@ from functools import partial
 import cv2
 import numpy as np
 
+from vpf_sim.envs.camera.detail import detail
 from vpf_sim.envs.camera.ground.appearance import ramp
 from vpf_sim.envs.camera.ground.gains import even_gains
 from vpf_sim.envs.camera.ground.grain import Grain
@@ -43,7 +44,7 @@ class Ground:
         batches = painted(shapes, seed)
         self._patches = []
         for level, gain in zip(self._levels, even_gains(camera), strict=True):
-            surface = Surface(batches, level.near_m, NEAR_FINE if level.steep else FAR_FINE)
+            surface = Surface(batches, level.near_m / detail(camera), NEAR_FINE if level.steep else FAR_FINE)
             self._patches.append(patch_of(camera, level, partial(_painted, surface, Grain(level, seed), gain)))
         self._table = ground_table(
             light, wetness, RAMP if appearance is None else ramp(appearance.verge, appearance.surface, appearance.worn)

@@ -12,13 +12,14 @@ from math import ceil, cos, log2, sin
 import numpy as np
 from numpy.typing import NDArray
 
+from vpf_sim.envs.camera.detail import detail
 from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.types import Camera, Floats, Image
 
 Indices = NDArray[np.int64]
 
 RATIO = 2.0  # farthest over nearest depth of a level
-LAST_M = 55.0  # a level that begins beyond this is the last
+LAST_M = 55.0  # a level that begins beyond this is the last; at full detail, as all distances of details
 RANGE_M = 260.0  # nothing is painted beyond this
 FADE, FADE_ROWS = 0.88, 2.5  # start of the blend as a share of the level's range, and its least rows
 STEEP = 2.0  # levels nearer than this, in camera heights, use an even lattice
@@ -58,7 +59,8 @@ def levels(camera: Camera) -> list[Level]:
         return []
     inverse_depths = _inverse_depths(camera, np.array([camera.height_px - 0.5, top]))
     edges = [float(1.0 / inverse_depths[0])]
-    while edges[-1] < LAST_M and edges[-1] * inverse_depths[1] < 1.0:
+    last_m = LAST_M * detail(camera)
+    while edges[-1] < last_m and edges[-1] * inverse_depths[1] < 1.0:
         edges.append(edges[-1] * RATIO)
     edges = [*edges[: max(1, len(edges) - 1)], np.inf]
     return [_level(camera, near, far) for near, far in reversed(list(pairwise(edges)))]
@@ -78,7 +80,7 @@ def _level(camera: Camera, near: float, far: float) -> Level:
     faded = int(np.count_nonzero(share < 1.0))
     weights = np.repeat(np.rint(255.0 * share[:faded]).astype(np.uint8)[:, None], camera.width_px, axis=1)
     across, along = near / camera.fx_px, near**2 / (camera.fy_px * camera.height_m)
-    steep = near < STEEP * camera.height_m
+    steep = near < STEEP * camera.height_m or far * detail(camera) < STEEP * camera.height_m
     sparse = inverse_depths[shown] ** -2.0 / near**2 / (SPARSE * ALONG) if steep else np.ones(len(shown))
     fineness = [2 ** max(0, ceil(log2(ratio))) for ratio in sparse]
     farthest = min(far, RANGE_M)

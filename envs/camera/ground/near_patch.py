@@ -9,10 +9,11 @@ from math import cos, floor, pi, sin
 
 import numpy as np
 
+from vpf_sim.envs.camera.detail import detail
 from vpf_sim.envs.camera.ground.levels import ACROSS, ALONG, Level
 from vpf_sim.envs.camera.ground.raster import Raster
 from vpf_sim.envs.camera.view import View
-from vpf_sim.types import Floats, Image
+from vpf_sim.types import Camera, Floats, Image
 
 TURN_RAD = pi / 26  # between lattice headings
 KEPT = 0.6  # a heading is kept within this distance, in turns
@@ -31,13 +32,13 @@ class Place:
 class NearPatch:
     """The raster of a near level, kept from frame to frame."""
 
-    def __init__(self, level: Level, paint: Callable[[Raster], Image]) -> None:
+    def __init__(self, camera: Camera, level: Level, paint: Callable[[Raster], Image]) -> None:
         across, along = self._texel_m = (ACROSS * level.across_m, ALONG * level.along_m)
         self._paint = paint
         turn = KEPT * TURN_RAD
         turned = np.concatenate([_turned(level.corners_m, angle) for angle in (-turn, 0.0, turn)])
         (self._ahead, self._right), (farthest, rightmost) = turned.min(axis=0), turned.max(axis=0)
-        self._step = max(1, round(STEP * level.near_m / along))  # texels
+        self._step = max(1, round(STEP * level.near_m / detail(camera) / along))  # texels
         self._sidestep = 2 * max(1, round(0.5 * SIDESTEP * level.near_m / across))  # even, as the grain's columns
         rows = int(np.ceil((farthest - self._ahead) / along)) + self._step + 3
         columns = 2 * int(0.5 * (rightmost - self._right) / across + 2.0) + 2 * self._sidestep

@@ -18,7 +18,7 @@ Patch = NearPatch | FarPatch
 
 def patch_of(camera: Camera, level: Level, paint: Callable[[Raster], Image]) -> Patch:
     """The patch of a level, filled by `paint`."""
-    return NearPatch(level, paint) if level.steep else FarPatch(camera, level, paint)
+    return NearPatch(camera, level, paint) if level.steep else FarPatch(camera, level, paint)
 
 
 def sample(patch: Patch, band: Band, to_world: Floats, target: Image) -> None:

@@ -7,10 +7,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from vpf_sim.envs.camera.horizon import horizon_row
 from vpf_sim.envs.camera.painter import SHIFT, Drawing, Sprite
 from vpf_sim.envs.camera.truth import Drawn
 from vpf_sim.envs.camera.view import View
-from vpf_sim.types import Camera, Floats, Image
+from vpf_sim.types import Floats, Image
 
 REFINEMENT = 2  # image pixels per pixel of the reflection, each way
 FACES, SPRITES = 18, 5  # most faces and sprites that are mirrored
@@ -148,11 +149,6 @@ def paint_sprite(canvas: Image, view: View, top: int, sprite: Sprite) -> None:
 
 def _upside_down(picture: Image, size: tuple[int, int]) -> NDArray[np.uint8]:
     return np.asarray(cv2.flip(cv2.resize(picture, size, interpolation=cv2.INTER_NEAREST), 0), np.uint8)
-
-
-def horizon_row(camera: Camera) -> float:
-    """Image row of the horizon in the middle column, px."""
-    return float(camera.cy_px - camera.fy_px * np.tan(camera.pitch_rad))
 
 
 def erase(mask: Image, drawing: Drawing | Sprite) -> None:

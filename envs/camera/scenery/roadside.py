@@ -7,6 +7,7 @@ from math import atan, tan
 import numpy as np
 from numpy.typing import NDArray
 
+from vpf_sim.envs.camera.detail import STALE_M, detail, stale_m
 from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.painter import Drawing, drawing, in_front, planes_of
@@ -17,13 +18,13 @@ from vpf_sim.types import Bools, Camera, Floats
 
 VERTICES = 4  # of every face
 VISIBLE_PX = 0.5  # faces thinner than this are not drawn
+WHOLE_RANGE_M = 1e3  # faces drawn up to this distance are drawn over the whole range of their item
 CELL_M, SECTORS = 6.0, 36  # candidates are kept while the camera stays in a cell and a heading sector
 FADING = 0.15  # last share of the range, in which an item fades
 FULL = 1.0 / FADING
 COARSE_M = 60.0  # faces drawn at this distance cast shadows
 EDGE_ON = 0.05  # except faces at grazing sunlight
-STALE_M, STALE_RAD = 0.3, 0.02  # most motion and rotation of the camera before visibility is updated
-SURELY_M = NEAR_M + 2.0 * STALE_M  # nearer parts are clipped, so that nothing passes the near plane before the update
+STALE_RAD_PER_M = 0.02 / STALE_M  # most rotation of the camera before visibility is updated, over most motion
 LOWEST_SUN = 0.1  # lowest sine of the altitude for shadow lengths
 
 Placement = tuple[Mesh, Floats, float]  # mesh, pose (x, y, heading), drawing range m
@@ -57,10 +58,11 @@ class Group:
 class VisibleFaces:
     """The visible faces near one view, the farthest item first.
 
-    They and their colours are reused until the camera is STALE_M or STALE_RAD away. Until then new faces, which are
-    edge-on, are missed, and colours are at most 1 % off."""
+    They and their colours are reused until the camera has moved by `stale_m` or turned as much. Until then new faces,
+    which are edge-on, are missed, and colours are slightly off, by at most 1 % at full detail."""
 
     view: View
+    stale_m: float
     faces_m: Floats  # (n, V, 3) world, clipped to before the camera
     normals: Floats  # (n, 3)
     offsets_m: Floats  # (n,)
@@ -71,7 +73,8 @@ class VisibleFaces:
     def plane_distances(self, view: View) -> Floats | None:
         """(n,) m, distances of the camera from the faces' planes; None if visibility is stale."""
         x, y, _ = (view.centre - self.view.centre).tolist()
-        if x * x + y * y > STALE_M**2 or abs(view.yaw_rad - self.view.yaw_rad) > STALE_RAD:
+        turned_rad = abs(view.yaw_rad - self.view.yaw_rad)
+        if x * x + y * y > self.stale_m**2 or turned_rad > STALE_RAD_PER_M * self.stale_m:
             return None
         distances = self.normals @ view.centre - self.offsets_m
         return distances if distances.min(initial=1.0) > 1e-6 else None
@@ -82,7 +85,9 @@ class Roadside:
 
     def __init__(self, camera: Camera, items: list[Placement], light: Light, haze: Haze) -> None:
         self._slope = 0.5 * camera.width_px / camera.fx_px  # slope of the field of view's sides
-        self._widest = tan(atan(self._slope) + STALE_RAD)
+        self._stale_m = stale_m(camera)
+        self._surely_m = NEAR_M + 2.0 * self._stale_m  # nearer parts are clipped, or they might pass the near plane
+        self._widest = tan(atan(self._slope) + STALE_RAD_PER_M * self._stale_m)
         self._aerial_perspective = AerialPerspective(light, haze)
         self._all = self._near = _group(items, light, camera)
         self._place: tuple[int, int, int] | None = None
@@ -120,7 +125,7 @@ class Roadside:
         shown = shown[np.argsort(-ahead[shown], kind="stable")]
         points = view.camera_axes(group.faces_m.take(shown, axis=0))
         inside = self._may_show(points)
-        shown, points = shown[inside], in_front(points[inside], SURELY_M)
+        shown, points = shown[inside], in_front(points[inside], self._surely_m)
         depth, owner = ahead[shown], group.owner[shown]
         firsts = np.diff(owner, prepend=-1).nonzero()[0]
         colours = self._aerial_perspective.colours(
@@ -128,6 +133,7 @@ class Roadside:
         )
         return VisibleFaces(
             view,
+            self._stale_m,
             points @ axes + eye,
             group.normals.take(shown, axis=0),
             group.offsets_m[shown],
@@ -147,9 +153,9 @@ class Roadside:
     def _may_show(self, points: Floats) -> Bools:
         """Which faces (n, VERTICES, 3) in camera axes may be visible until the next update."""
         right, depth = points[..., 0], points[..., 2]
-        wide = self._widest * depth + 2.0 * STALE_M
+        wide = self._widest * depth + 2.0 * self._stale_m
         beside = (right > wide).all(axis=1) | (right < -wide).all(axis=1)
-        return np.asarray(~beside & (depth.max(axis=1) > SURELY_M))
+        return np.asarray(~beside & (depth.max(axis=1) > self._surely_m))
 
     def _close(self, view: View) -> Group:
         """The candidates for any pose in the camera's cell and heading sector."""
@@ -194,6 +200,8 @@ def _group(items: list[Placement], light: Light, camera: Camera) -> Group:
     facing = np.maximum(0.0, normals @ light.sun)[:, None]
     shading = np.where(joined("lit")[:, None] > 0.0, light.sky + light.direct * facing, 1.0)
     ranges_m = np.array([range_m for _, _, range_m in items], float)[owner]
+    share, until_m = detail(camera), joined("until_m")
+    until_m = np.where(until_m < WHOLE_RANGE_M, share * until_m, until_m)
     thinnest = joined("thickness_m") * camera.fx_px / VISIBLE_PX
     return Group(
         middles_m=poses[:, :2],
@@ -203,7 +211,7 @@ def _group(items: list[Placement], light: Light, camera: Camera) -> Group:
         normals=normals,
         offsets_m=np.einsum("fi,fi->f", normals, faces[:, 0]),
         colours=contrasts(np.minimum(255.0, joined("colours", 3) * shading), light),
-        from_m=joined("from_m"),
-        until_m=np.minimum(np.minimum(joined("until_m"), thinnest), ranges_m),
+        from_m=joined("from_m") * share,
+        until_m=np.minimum(np.minimum(until_m, thinnest), ranges_m),
         fading=1.0 / (FADING * ranges_m),
     )

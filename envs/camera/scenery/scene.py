@@ -6,6 +6,7 @@ from math import asin, atan2, cos, hypot, inf, pi, remainder, sin
 import numpy as np
 from highway_env.vehicle.objects import Landmark, Obstacle, RoadObject
 
+from vpf_sim.envs.camera.detail import stale_m
 from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
@@ -13,7 +14,7 @@ from vpf_sim.envs.camera.painter import Drawing, Sprite, footprint, paint
 from vpf_sim.envs.camera.scenery.object_meshes import HEIGHTS_M, object_mesh
 from vpf_sim.envs.camera.scenery.occlusion import far_to_near
 from vpf_sim.envs.camera.scenery.shadows import Shadow
-from vpf_sim.envs.camera.scenery.solid import RANGE_M, STALE_M, Solid
+from vpf_sim.envs.camera.scenery.solid import RANGE_M, Solid
 from vpf_sim.envs.camera.scenery.static_scenery import StaticScenery
 from vpf_sim.envs.camera.truth import STILL, Drawn, Motion
 from vpf_sim.envs.camera.view import View
@@ -134,7 +135,7 @@ def _add_until(drawn: list[Drawn], scenery: Drawing | None, depths: list[float],
 
 
 class DrawingOrder:
-    """Drawing order of objects. While none moves, it is updated when the camera has moved by STALE_M."""
+    """Drawing order of objects. While none moves, it is updated when the camera has moved by `stale_m`."""
 
     def __init__(self) -> None:
         self._places: list[list[float]] = []
@@ -150,7 +151,7 @@ class DrawingOrder:
         discs = {i: _disc(now, i) for i in ahead}
         places = [[i, *now.poses[now.objects[i]].tolist()] for i in ahead]
         x, y, _ = now.view.centre.tolist()
-        if places != self._places or hypot(x - self._eye[0], y - self._eye[1]) > STALE_M:
+        if places != self._places or hypot(x - self._eye[0], y - self._eye[1]) > stale_m(now.view.camera):
             self._places, self._eye, self._order = places, (x, y), _far_to_near(now, discs)
         return self._order, [discs[i].nearest_m for i in self._order]
 

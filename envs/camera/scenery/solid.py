@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 
+from vpf_sim.envs.camera.detail import stale_m
 from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.painter import Drawing, drawing, planes_of
@@ -16,7 +17,7 @@ from vpf_sim.types import Floats
 
 VISIBLE_PX = 0.6  # faces thinner than this are not drawn
 RANGE_M, FADED_IN_M = 220.0, 180.0  # distances at which objects appear, and are opaque
-STALE_M, SLIVER_PX = 0.3, 0.25  # most motion of the camera before visibility is updated, and width of missed faces
+SLIVER_PX = 0.25  # width of the faces that are missed until visibility is updated
 ON_EDGE_M = 1e-6  # least distance from a visible face's plane
 ONE = np.zeros(1, np.int64)
 
@@ -103,7 +104,7 @@ class Solid:
         if len(mesh.centres_m) > 1:
             nearness = -((mesh.centres_m - eye) ** 2).sum(axis=1)
             shown = shown[np.argsort(nearness[mesh.parts[shown]], kind="stable")]
-        far_m = min(STALE_M, SLIVER_PX * depth**2 / (2.0 * self._reach_m * near.camera.fx_px))
+        far_m = min(stale_m(near.camera), SLIVER_PX * depth**2 / (2.0 * self._reach_m * near.camera.fx_px))
         if depth < self._reach_m + NEAR_M + far_m:
             far_m = 0.0
             shown = shown[(near.camera_axes(mesh.faces_m[shown])[..., 2] > NEAR_M).any(axis=1)]
