@@ -5,6 +5,7 @@ interpolates between its edges. Lanes at the network's ends are extended straigh
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from highway_env.road.lane import AbstractLane, LineType
@@ -20,6 +21,7 @@ PROBES = 64  # samples of a lane's heading
 RUN_ON_M = 300.0  # extension of lanes beyond the network's ends
 SAME_LINE_M = 0.4  # lines nearer than this are the same line
 STRIPE_M, PERIOD_M = 3.0, 9.0
+ROADS = 16  # whose lines and edges are kept
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,11 +67,30 @@ def lane_shapes(road: Road) -> list[LaneShape]:
     ]
 
 
+class _Geometry:
+    """The shapes of a road as a key: equal where all their numbers are."""
+
+    def __init__(self, shapes: list[LaneShape]) -> None:
+        self.shapes = shapes
+        self._key = tuple((s.s_m.tobytes(), s.left_m.tobytes(), s.right_m.tobytes(), s.line_types) for s in shapes)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Geometry) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+
 def lines(shapes: list[LaneShape]) -> list[Line]:
-    """The markings of the lanes; a line shared by two lanes is listed once."""
+    """The markings of the lanes; a line shared by two lanes is listed once. Cached: a road is drawn by many seeds."""
+    return list(_lines(_Geometry(shapes)))
+
+
+@lru_cache(maxsize=ROADS)
+def _lines(road: _Geometry) -> list[Line]:
     kept: list[Line] = []
     drawn: list[cKDTree] = []
-    for shape in shapes:
+    for shape in road.shapes:
         for edge, kind in zip((shape.left_m, shape.right_m), shape.line_types, strict=True):
             if kind == LineType.NONE or _covered(points := _resampled(edge), drawn):
                 continue
@@ -111,8 +132,13 @@ class Edge:
 
 
 def outer_edges(shapes: list[LaneShape]) -> list[Edge]:
-    """The outer edges of the carriageway, in stretches along one lane each."""
-    edges = []
+    """The outer edges of the carriageway, in stretches along one lane each. Cached, as `lines` are."""
+    return list(_outer_edges(_Geometry(shapes)))
+
+
+@lru_cache(maxsize=ROADS)
+def _outer_edges(road: _Geometry) -> list[Edge]:
+    edges, shapes = [], road.shapes
     strips = [_Strip.of(shape) for shape in shapes]
     for shape, strip in zip(shapes, strips, strict=True):
         across = shape.right_m - shape.left_m

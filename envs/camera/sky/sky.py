@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.envs.camera.atmosphere import Atmosphere
+from vpf_sim.envs.camera.detail import detail
 from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.sky.cylinder import Cylinder
@@ -28,7 +29,7 @@ class Sky:
         self._hills: Cylinder | None = None
         self._skyline = slice(top, top)
         if top and hills_show(atmosphere):
-            tops = outlines(rng)
+            tops = outlines(rng, detail(camera))
             turn, slope = _directions(camera, columns, rows)
             first = int(np.argmax((slope < tops.max()).any(axis=1)))
             tall, self._skyline = float(slope[first:].max()), slice(first, top)
