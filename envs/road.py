@@ -72,11 +72,15 @@ class Carriageway(RoadNetwork):  # type: ignore[misc]
         self.lane_width_m = road.lane_width_m
         self.half_width_m = road.half_width_m
         self.appearance = road.look
+        lines = [LineType.STRIPED] * (road.lanes + 1)
+        lines[0], lines[road.lanes] = _edge_line(road, "left"), _edge_line(road, "right")
+        if road.oncoming_lanes:
+            lines[road.oncoming_lanes] = LineType.CONTINUOUS_LINE
         for index in range(road.lanes):
-            left = _edge_line(road, "left") if index == 0 else LineType.STRIPED
-            right = _edge_line(road, "right") if index == road.lanes - 1 else LineType.STRIPED
             offset_m = road.lane_offset_m(road.lanes - index)
-            self.add_lane(START, END, OffsetLane(self.centre, offset_m, road.lane_width_m, (left, right)))
+            lane = OffsetLane(self.centre, offset_m, road.lane_width_m, (lines[index], lines[index + 1]))
+            lane.forbidden = index < road.oncoming_lanes  # to lane changes of highway-env's drivers
+            self.add_lane(START, END, lane)
 
     def lane_at(self, lateral_m: float) -> LaneIndex:
         """The index of the lane at a lateral position; the outermost lane beyond the edges."""

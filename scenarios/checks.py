@@ -5,6 +5,8 @@ from collections.abc import Iterator, Sequence
 from vpf_sim.scenarios.kinds import EGO_SIZE, MOVING, SIZES, Size
 from vpf_sim.scenarios.parts import FASTEST_MPS, MOST_ROAD_M, Ego, Goal, ObjectSpec, Road, Vary
 
+BESIDE_M = 6.0  # beside the carriageway, where actors may wait and go
+
 
 def faults(road: Road, ego: Ego, goal: Goal, bodies: Sequence[ObjectSpec], vary: Vary) -> Iterator[str]:
     """Every fault, for any seed: a scenario that passes is valid for all seeds."""
@@ -16,10 +18,13 @@ def faults(road: Road, ego: Ego, goal: Goal, bodies: Sequence[ObjectSpec], vary:
         yield from _place_faults(f"bodies[{i}]", road, spec, SIZES[spec.kind], vary)
         if spec.speed_mps > 0.0 and spec.kind not in MOVING:
             yield f"bodies[{i}].speed_mps: expected 0 for a {spec.kind}, which cannot move, got {spec.speed_mps:g}"
+        yield from _manoeuvre_faults(f"bodies[{i}]", road, spec)
 
 
 def _road_faults(road: Road) -> Iterator[str]:
     """In a bend tighter than half the carriageway, lanes would cross."""
+    if road.oncoming_lanes >= road.lanes:
+        yield f"road.oncoming_lanes: expected fewer than the {road.lanes} lanes, got {road.oncoming_lanes}"
     if road.length_m > MOST_ROAD_M:
         yield f"road.segments: expected at most {MOST_ROAD_M:g} m in all, got {road.length_m:g}"
     for i, segment in enumerate(road.segments):
@@ -29,6 +34,24 @@ def _road_faults(road: Road) -> Iterator[str]:
             yield (
                 f"road.segments[{i}].{name}: expected more than half the carriageway, {road.half_width_m:g} m, "
                 f"to either side, got {radius:g}"
+            )
+
+
+def _manoeuvre_faults(key: str, road: Road, spec: ObjectSpec) -> Iterator[str]:
+    if spec.manoeuvres and spec.kind not in MOVING:
+        yield f"{key}.manoeuvres: expected none for a {spec.kind}, which cannot move"
+    farthest_m = road.half_width_m + BESIDE_M
+    for i, manoeuvre in enumerate(spec.manoeuvres):
+        where = f"{key}.manoeuvres[{i}]"
+        if (manoeuvre.after_s is None) == (manoeuvre.within_m is None):
+            got = "neither" if manoeuvre.after_s is None else "both"
+            yield f"{where}: expected either after_s or within_m, got {got}"
+        if manoeuvre.speed_mps is None and manoeuvre.lateral_m is None:
+            yield f"{where}: expected speed_mps, lateral_m or both, got neither"
+        if manoeuvre.lateral_m is not None and abs(road.lane_offset_m(spec.lane) + manoeuvre.lateral_m) > farthest_m:
+            yield (
+                f"{where}.lateral_m: expected a place within {farthest_m:g} m of the carriageway's centre, "
+                f"got {road.lane_offset_m(spec.lane) + manoeuvre.lateral_m:g}"
             )
 
 
@@ -57,8 +80,9 @@ def _goal_faults(road: Road, ego: Ego, goal: Goal, vary: Vary) -> Iterator[str]:
 
 def _place_faults(key: str, road: Road, part: Ego | ObjectSpec, size: Size, vary: Vary) -> Iterator[str]:
     """An object must be completely on the carriageway and within the road's length."""
-    if part.lane > road.lanes:
-        yield f"{key}.lane: expected 1 to {road.lanes}, counted from the right, got {part.lane}"
+    lanes = road.lanes - road.oncoming_lanes if isinstance(part, Ego) else road.lanes
+    if part.lane > lanes:
+        yield f"{key}.lane: expected 1 to {lanes}, counted from the right, got {part.lane}"
         return
     noun, group = ("ego", "ego") if isinstance(part, Ego) else ("obstacle", "bodies")
     centre_m = road.lane_offset_m(part.lane) + part.lateral_m
@@ -69,10 +93,11 @@ def _place_faults(key: str, road: Road, part: Ego | ObjectSpec, size: Size, vary
             f"road, got {low:g} to {high:g} m"
         )
     low, high = _extent(centre_m, size.width_m, _change(vary, f"{group}.lateral_m"))
-    if low < -road.half_width_m or high > road.half_width_m:
+    half_m = road.half_width_m + (BESIDE_M if isinstance(part, ObjectSpec) and part.manoeuvres else 0.0)
+    if low < -half_m or high > half_m:
         yield (
-            f"{key}.lateral_m: {noun} off the road: expected the whole object between {-road.half_width_m:g} and "
-            f"{road.half_width_m:g} m from the carriageway's centre, got {low:g} to {high:g} m"
+            f"{key}.lateral_m: {noun} off the road: expected the whole object between {-half_m:g} and "
+            f"{half_m:g} m from the carriageway's centre, got {low:g} to {high:g} m"
         )
 
 

@@ -4,7 +4,7 @@ from typing import Literal, NamedTuple
 
 from vpf_sim.types import VehicleModel
 
-ObjectKind = Literal["car", "van", "truck", "cone", "pallet", "barrier", "pedestrian"]
+ObjectKind = Literal["car", "van", "truck", "cone", "pallet", "barrier", "pedestrian", "cyclist", "deer"]
 
 
 class Size(NamedTuple):
@@ -23,8 +23,10 @@ SIZES: dict[ObjectKind, Size] = {
     "pallet": Size(1.2, 0.8, 0.15),  # EUR pallet, flat on the road
     "barrier": Size(0.5, 3.0, 1.0),  # across the road
     "pedestrian": Size(0.4, 0.5, 1.75),
+    "cyclist": Size(1.8, 0.6, 1.75),
+    "deer": Size(1.5, 0.45, 1.3),
 }
 
-MOVING: frozenset[ObjectKind] = frozenset({"car", "van", "truck", "pedestrian"})  # kinds that may have a speed
+MOVING: frozenset[ObjectKind] = frozenset({"car", "van", "truck", "pedestrian", "cyclist", "deer"})  # may have a speed
 
 EGO_SIZE = Size(VehicleModel().length_m, VehicleModel().width_m, 1.5)

@@ -67,6 +67,9 @@ class Road(Section):
     look: RoadAppearance = RoadAppearance()
     lanes: Lanes = Field(default=4, description="of the carriageway")
     lane_width_m: LaneWidth = Field(default=3.5, description="of each")
+    oncoming_lanes: Annotated[int, Field(ge=0, le=19)] = Field(
+        default=0, description="of the lanes, the leftmost, beyond a solid line"
+    )
     start_m: Annotated[tuple[Place, Place], Field(strict=False)] = Field(
         default=(0.0, 0.0), description="of the centre line of the carriageway, along which s_m runs"
     )
@@ -172,12 +175,36 @@ class Goal(Section):
     kind: Literal["reach", "stop"] = Field(default="reach", description="cross its line, or stand before it")
 
 
+class Manoeuvre(Section):
+    """A change of an actor's motion. It begins after the one before, when its time or its distance has come."""
+
+    after_s: Annotated[float, Field(ge=0.0, le=LONGEST_S)] | None = Field(
+        default=None, description="since the manoeuvre before began, or since the start"
+    )
+    within_m: Annotated[float, Field(gt=0.0, le=FARTHEST_M)] | None = Field(
+        default=None, description="of free road between it and the ego, in place of after_s"
+    )
+    speed_mps: Speed | None = Field(default=None, description="to drive at from then on")
+    rate_mps2: Annotated[float, Field(gt=0.0, le=12.0)] = Field(default=2.0, description="to brake or accelerate with")
+    lateral_m: float | None = Field(default=None, description="to move to, from the lane's centre, + is right")
+    lateral_mps: Annotated[float, Field(gt=0.0, le=12.0)] = Field(default=1.0, description="to move there with")
+
+
 class ObjectSpec(Section):
     kind: ObjectKind = Field(description="of object")
     s_m: float = Field(description="along the road")
     lane: PositiveInt = Field(description="counted from the right, from 1")
     lateral_m: float = Field(default=0.0, description="from the lane's centre, + is right")
     speed_mps: Speed = Field(default=0.0, description="> 0: traffic")
+    oncoming: bool = Field(default=False, description="true: it faces and drives against the ego")
+    manoeuvres: Annotated[tuple[Manoeuvre, ...], Field(strict=False)] = Field(
+        default=(), description="of traffic, in order"
+    )
+
+    @property
+    def is_actor(self) -> bool:
+        """Whether it may move."""
+        return self.speed_mps > 0.0 or bool(self.manoeuvres)
 
 
 class Limits(Section):

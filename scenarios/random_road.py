@@ -26,6 +26,7 @@ from vpf_sim.scenarios.parts import (
     Segment,
     Vary,
 )
+from vpf_sim.scenarios.random_events import EVENTS, Event, events
 from vpf_sim.scenarios.schema import Scenario, drawn
 from vpf_sim.seeding import stream
 
@@ -34,6 +35,7 @@ LAST_ROW_M = 15.0  # least distance of the last row from the goal
 MOST_TURN_RAD = np.radians(80.0)  # largest turn from the first heading: the road never crosses itself
 FIRST_LINE_M, LINE_M, ARC_M, CLOTHOID_M = (30.0, 60.0), (20.0, 60.0), (20.0, 70.0), (15.0, 30.0)
 SIDE_GAP_M = 0.3  # between two obstacles of a row
+KINDS: tuple[ObjectKind, ...] = ("car", "van", "truck", "cone", "pallet", "barrier", "pedestrian")  # drawn by default
 TRIES = 40  # positions tried for each obstacle
 Length = Annotated[float, Field(gt=0.0, le=MOST_ROAD_M / 2.0)]
 Rows = Annotated[int, Field(ge=0, le=200)]
@@ -82,7 +84,13 @@ class RandomRoad(Section):
         default=2.0, description="largest shift of the gap's middle from that of the row before"
     )
     kinds: Annotated[tuple[ObjectKind, ...], Field(strict=False, min_length=1)] = Field(
-        default=tuple(SIZES), description="of objects"
+        default=KINDS, description="of objects"
+    )
+    events: Annotated[tuple[Rows, Rows], Field(strict=False)] = Field(
+        default=(0, 0), description="actors that get in the ego's way along the route"
+    )
+    event_kinds: Annotated[tuple[Event, ...], Field(strict=False, min_length=1)] = Field(
+        default=EVENTS, description="what they do"
     )
 
     @model_validator(mode="after")
@@ -93,7 +101,7 @@ class RandomRoad(Section):
         return self
 
     def _faults(self) -> Iterator[str]:
-        for key in ("length_m", "heading_deg", "radius_m", "rows", "row_bodies"):
+        for key in ("length_m", "heading_deg", "radius_m", "rows", "row_bodies", "events"):
             low, high = getattr(self, key)
             if low > high:
                 yield f"{key}: expected [low, high] with low <= high, got [{low:g}, {high:g}]"
@@ -138,7 +146,10 @@ class RandomScenario(Section):
             heading_deg=float(rng.uniform(*self.random.heading_deg)),
             segments=tuple(_segments(self.random, goal.s_m + BEYOND_GOAL_M, rng)),
         )
-        bodies = tuple(_objects(self.random, road, self.ego, goal, stream(seed, "random rows")))
+        rows = _objects(self.random, road, self.ego, goal, stream(seed, "random rows"))
+        doing = stream(seed, "random events")
+        count = int(doing.integers(self.random.events[0], self.random.events[1] + 1))
+        bodies = (*rows, *events(self.random.event_kinds, count, road, self.ego, goal, doing))
         ego = drawn(self.ego, self.vary, "ego", "ego", seed)
         parts = {"road": road, "ego": ego, "goal": goal, "bodies": bodies, "limits": self.limits}
         return Scenario.model_validate({"schema": self.version, **parts})

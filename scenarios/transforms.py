@@ -2,7 +2,7 @@
 
 from math import cos, fmod, radians, sin
 
-from vpf_sim.scenarios.parts import Road, Segment
+from vpf_sim.scenarios.parts import ObjectSpec, Road, Segment
 from vpf_sim.scenarios.schema import Scenario
 
 SIDEWAYS = ("lateral_m", "heading_deg")  # varied keys with opposite sign in the mirror image
@@ -31,6 +31,7 @@ def mirrored(scenario: Scenario) -> Scenario:
     mirrored_road = {
         "start_m": (road.start_m[0], -road.start_m[1]),
         "heading_deg": -road.heading_deg,
+        "oncoming_lanes": 0,  # they are on the left in every file
         "segments": tuple(_mirrored_segment(segment) for segment in road.segments),
     }
     ego = scenario.ego.model_copy(
@@ -40,11 +41,17 @@ def mirrored(scenario: Scenario) -> Scenario:
             "heading_deg": -scenario.ego.heading_deg,
         }
     )
-    bodies = tuple(
-        spec.model_copy(update={"lane": _mirrored_lane(road, spec.lane), "lateral_m": -spec.lateral_m})
-        for spec in scenario.bodies
-    )
+    bodies = tuple(_mirrored_object(road, spec) for spec in scenario.bodies)
     return _with_road(scenario, mirrored_road).model_copy(update={"ego": ego, "bodies": bodies, "vary": vary})
+
+
+def _mirrored_object(road: Road, spec: ObjectSpec) -> ObjectSpec:
+    manoeuvres = tuple(
+        one if one.lateral_m is None else one.model_copy(update={"lateral_m": -one.lateral_m})
+        for one in spec.manoeuvres
+    )
+    lane = _mirrored_lane(road, spec.lane)
+    return spec.model_copy(update={"lane": lane, "lateral_m": -spec.lateral_m, "manoeuvres": manoeuvres})
 
 
 def _with_road(scenario: Scenario, road: dict[str, object]) -> Scenario:

@@ -68,7 +68,7 @@ class RoadLayout:
         return tuple(
             self._static_obstacle(number)
             for number, obstacle in enumerate(self.scenario.bodies)
-            if obstacle.speed_mps == 0.0
+            if not obstacle.is_actor
         )
 
     @property

@@ -5,10 +5,12 @@ from collections.abc import Callable
 import numpy as np
 
 from vpf_sim.envs.camera.scenery.cars import CHROME, LAMP, PAINTS, RUBBER, UNDERSIDE, car, plate, shade, upright
+from vpf_sim.envs.camera.scenery.living import cyclist, deer
 from vpf_sim.envs.camera.scenery.mesh import Colour, Mesh, MeshBuilder, Point, box, box_panels
 from vpf_sim.envs.camera.scenery.people import pedestrian
+from vpf_sim.scenarios.kinds import SIZES
 
-HEIGHTS_M = {"car": 1.5, "van": 2.3, "truck": 3.4, "cone": 0.75, "pallet": 0.15, "barrier": 1.0, "pedestrian": 1.75}
+HEIGHTS_M = {kind: size.height_m for kind, size in SIZES.items()}
 
 Maker = Callable[[float, float, float, np.random.Generator], Mesh]
 WOOD: Colour = (150, 118, 78)
@@ -193,4 +195,6 @@ MAKERS: dict[str, Maker] = {
     "pallet": pallet,
     "barrier": barrier,
     "pedestrian": pedestrian,
+    "cyclist": cyclist,
+    "deer": deer,
 }

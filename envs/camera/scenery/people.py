@@ -42,7 +42,7 @@ def _leg(b: MeshBuilder, y: float, x: float, length: float, height: float, colou
     shoe = 0.3 * length
     box(b, (x - 0.5 * shoe, y - 0.055, 0.0), (x + shoe, y + 0.055, 0.05 * height), SHOE)
     rings = ((0.04, x, 0.055), (0.27, 0.6 * x, 0.065), (0.4, 0.3 * x, 0.08), (0.5, 0.0, 0.095))
-    _limb(b, [(share * height, middle, y, 1.1 * radius, radius) for share, middle, radius in rings], colour)
+    limb(b, [(share * height, middle, y, 1.1 * radius, radius) for share, middle, radius in rings], colour)
 
 
 def _torso(b: MeshBuilder, length: float, width: float, height: float, colour: Colour, *, long: bool) -> None:
@@ -58,13 +58,13 @@ def _torso(b: MeshBuilder, length: float, width: float, height: float, colour: C
             (0.835, 0.6, 0.62),
         )
     ]
-    _limb(b, rings, colour)
-    _limb(b, [(0.505 * height, 0.0, 0.0, 1.0 * deep, 0.94 * wide), (0.525 * height, 0.0, 0.0, deep, 0.94 * wide)], SHOE)
+    limb(b, rings, colour)
+    limb(b, [(0.505 * height, 0.0, 0.0, 1.0 * deep, 0.94 * wide), (0.525 * height, 0.0, 0.0, deep, 0.94 * wide)], SHOE)
 
 
 def _arm(b: MeshBuilder, side: float, length: float, width: float, height: float, colour: Colour, skin: Colour) -> None:
     shoulder, hand, bend = side * 0.36 * width, side * 0.43 * width, 0.12 * length
-    _limb(
+    limb(
         b,
         [
             (0.45 * height, bend, hand, 0.05, 0.045),
@@ -75,28 +75,28 @@ def _arm(b: MeshBuilder, side: float, length: float, width: float, height: float
         shade(colour, 0.92),
     )
     rings = ((0.405, 0.02), (0.43, 0.045), (0.455, 0.04))
-    _limb(b, [(share * height, bend, hand, radius, 0.8 * radius) for share, radius in rings], skin)
+    limb(b, [(share * height, bend, hand, radius, 0.8 * radius) for share, radius in rings], skin)
 
 
 def _head(b: MeshBuilder, length: float, width: float, height: float, skin: Colour, hair: Colour) -> None:
     deep, wide = min(0.2 * length, 0.1), min(0.16 * width, 0.085)
-    _limb(b, [(0.82 * height, 0.0, 0.0, 0.06, 0.06), (0.88 * height, 0.01, 0.0, 0.055, 0.055)], skin)
+    limb(b, [(0.82 * height, 0.0, 0.0, 0.06, 0.06), (0.88 * height, 0.01, 0.0, 0.055, 0.055)], skin)
     face: list[Ring] = [
         (share * height, 0.01, 0.0, size * deep, size * wide)
         for share, size in ((0.865, 0.55), (0.89, 0.86), (0.93, 1.0), (0.965, 0.94))
     ]
-    _limb(b, face, skin)
+    limb(b, face, skin)
     crown: list[Ring] = [
         (share * height, -0.015, 0.0, size * deep, size * wide)
         for share, size in ((0.945, 1.06), (0.975, 0.92), (0.992, 0.62), (1.0, 0.1))
     ]
-    _limb(b, crown, hair)
-    _limb(
+    limb(b, crown, hair)
+    limb(
         b, [(0.885 * height, -0.03, 0.0, 0.8 * deep, 0.9 * wide), (0.95 * height, -0.025, 0.0, deep, 1.04 * wide)], hair
     )
 
 
-def _limb(b: MeshBuilder, rings: list[Ring], colour: Colour) -> None:
+def limb(b: MeshBuilder, rings: list[Ring], colour: Colour) -> None:
     """A closed tube through elliptic rings, from the lowest up."""
     angle = 2.0 * np.pi * np.arange(SIDES + 1) / SIDES
     cosine, sine = np.cos(angle), np.sin(angle)

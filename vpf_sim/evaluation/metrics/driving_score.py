@@ -13,7 +13,7 @@ from vpf_sim.types import Floats
 
 FACTOR_2_0 = {"pedestrian": 0.50, "vehicle": 0.60, "static": 0.65}
 WEIGHT_2_1 = {"pedestrian": 1.00, "vehicle": 0.70, "static": 0.60}
-CLASS = {"pedestrian": "pedestrian", "car": "vehicle", "van": "vehicle", "truck": "vehicle"}
+CLASS = {"pedestrian": "pedestrian", **dict.fromkeys(("car", "van", "truck", "cyclist"), "vehicle")}
 
 
 def driving_score_2_0(completion: float, kinds_hit: Iterable[str], off_lane_share: float) -> float:

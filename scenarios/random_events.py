@@ -1,0 +1,87 @@
+"""Traffic that does things on a random road: crossing, cutting in, braking hard. The seed draws all of it."""
+
+from collections.abc import Iterator
+from typing import Literal
+
+import numpy as np
+
+from vpf_sim.scenarios.kinds import ObjectKind
+from vpf_sim.scenarios.parts import Ego, Goal, Manoeuvre, ObjectSpec, Road
+
+Event = Literal["crossing", "cut-in", "hard-brake"]
+EVENTS: tuple[Event, ...] = ("crossing", "cut-in", "hard-brake")
+
+CROSSING_MPS: dict[ObjectKind, tuple[float, float]] = {
+    "pedestrian": (1.0, 2.0),
+    "cyclist": (2.5, 4.5),
+    "deer": (3.0, 6.0),
+}
+VEHICLES: tuple[ObjectKind, ...] = ("car", "van", "truck")
+BESIDE_M = (1.0, 3.0)  # from the carriageway's edge, where crossing begins and ends
+TO_SPARE_M = (1.0, 9.0)  # way left to the ego when who crosses is in its lane, if it does not brake
+CUT_IN_M, CUT_IN_MPS = (8.0, 15.0), (0.8, 1.5)  # free road at which it begins, and speed sideways
+BRAKES_WITHIN_M, BRAKES_MPS2 = (8.0, 16.0), (4.0, 8.0)
+WAITS_S, GOES_ON_MPS = (3.0, 7.0), (6.5, 9.0)
+LAST_M = 25.0  # least distance of a place from the goal
+
+
+def events(
+    kinds: tuple[Event, ...], count: int, road: Road, ego: Ego, goal: Goal, rng: np.random.Generator
+) -> Iterator[ObjectSpec]:
+    """`count` actors, evenly spread along the route: one in each stretch."""
+    stretch_m = max(goal.s_m - LAST_M - ego.s_m, 0.0) / max(count, 1)
+    for number in range(count):
+        s_m = ego.s_m + stretch_m * (number + float(rng.uniform(0.4, 0.9)))
+        kind = kinds[int(rng.integers(len(kinds)))]
+        if kind == "crossing":
+            yield _crossing(road, ego, s_m, rng)
+        elif kind == "cut-in" and road.lanes > 1:
+            yield _cut_in(road, ego, s_m, rng)
+        else:
+            yield _hard_brake(ego, s_m, rng)
+
+
+def _crossing(road: Road, ego: Ego, s_m: float, rng: np.random.Generator) -> ObjectSpec:
+    kinds = tuple(CROSSING_MPS)
+    kind = kinds[int(rng.integers(len(kinds)))]
+    side = 1.0 if rng.random() < 0.5 else -1.0
+    lateral_mps = float(rng.uniform(*CROSSING_MPS[kind]))
+    lane_m = road.lane_offset_m(ego.lane)
+    starts_m, ends_m = (sign * (road.half_width_m + float(rng.uniform(*BESIDE_M))) for sign in (side, -side))
+    way_s = abs(starts_m - lane_m) / lateral_mps
+    within_m = ego.speed_reference_mps * way_s + float(rng.uniform(*TO_SPARE_M))
+    crosses = Manoeuvre(within_m=within_m, lateral_m=ends_m - lane_m, lateral_mps=lateral_mps)
+    return ObjectSpec(kind=kind, s_m=s_m, lane=ego.lane, lateral_m=starts_m - lane_m, manoeuvres=(crosses,))
+
+
+def _cut_in(road: Road, ego: Ego, s_m: float, rng: np.random.Generator) -> ObjectSpec:
+    """A slower vehicle in a lane beside the ego's, which moves in front of it, slows down, and goes on."""
+    beside = [lane for lane in (ego.lane - 1, ego.lane + 1) if 1 <= lane <= road.lanes]
+    lane = beside[int(rng.integers(len(beside)))]
+    speed_mps = ego.speed_reference_mps * float(rng.uniform(0.4, 0.8))
+    enters = Manoeuvre(
+        within_m=float(rng.uniform(*CUT_IN_M)),
+        lateral_m=road.lane_offset_m(ego.lane) - road.lane_offset_m(lane),
+        lateral_mps=float(rng.uniform(*CUT_IN_MPS)),
+        speed_mps=speed_mps * float(rng.uniform(0.5, 0.9)),
+    )
+    return ObjectSpec(kind=_vehicle(rng), s_m=s_m, lane=lane, speed_mps=speed_mps, manoeuvres=(enters, _goes_on(rng)))
+
+
+def _hard_brake(ego: Ego, s_m: float, rng: np.random.Generator) -> ObjectSpec:
+    """A slower vehicle ahead, which stops hard as the ego comes near, and goes on."""
+    speed_mps = ego.speed_reference_mps * float(rng.uniform(0.5, 0.9))
+    brakes = Manoeuvre(
+        within_m=float(rng.uniform(*BRAKES_WITHIN_M)), speed_mps=0.0, rate_mps2=float(rng.uniform(*BRAKES_MPS2))
+    )
+    return ObjectSpec(
+        kind=_vehicle(rng), s_m=s_m, lane=ego.lane, speed_mps=speed_mps, manoeuvres=(brakes, _goes_on(rng))
+    )
+
+
+def _goes_on(rng: np.random.Generator) -> Manoeuvre:
+    return Manoeuvre(after_s=float(rng.uniform(*WAITS_S)), speed_mps=float(rng.uniform(*GOES_ON_MPS)))
+
+
+def _vehicle(rng: np.random.Generator) -> ObjectKind:
+    return VEHICLES[int(rng.integers(len(VEHICLES)))]
