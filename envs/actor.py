@@ -1,6 +1,7 @@
 """Traffic actors: they keep lane and speed, follow a leader, and carry out the manoeuvres of a scenario."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from highway_env.road.road import Road
@@ -10,7 +11,7 @@ from highway_env.vehicle.objects import RoadObject
 from vpf_sim.envs.ego import Ego
 from vpf_sim.envs.rectangles import solid_objects
 from vpf_sim.scenarios.kinds import ObjectKind
-from vpf_sim.scenarios.parts import Manoeuvre, ObjectSpec
+from vpf_sim.scenarios.parts import Manoeuvre
 from vpf_sim.types import Floats
 
 MAX_ACCELERATION_MPS2 = 1.5
@@ -29,7 +30,7 @@ class Actor(Vehicle):  # type: ignore[misc]
     a [1 - (v / v0)^4 - (s* / gap)^2], s* = s0 + v T + v dv / (2 sqrt(a b)). It never reverses. It moves exactly along
     the lane, so contacts do not displace it and it cannot leave the road.
 
-    A manoeuvre of its `spec` gives it another speed, which it reaches at a constant rate, or another lateral position,
+    A manoeuvre gives it another speed, which it reaches at a constant rate, or another lateral position,
     to which it moves at a constant speed. On its way to the side it faces where it goes, and crosses regardless of
     others; along the road it follows its leader as before. Contact stops it.
     """
@@ -40,17 +41,27 @@ class Actor(Vehicle):  # type: ignore[misc]
     heading: float  # rad
     speed: float  # m/s
 
-    def __init__(self, road: Road, place: tuple[float, float], spec: ObjectSpec) -> None:
+    def __init__(
+        self,
+        road: Road,
+        place: tuple[float, float],
+        speed: float,
+        oncoming: bool = False,
+        manoeuvres: Sequence[Manoeuvre] = (),
+        lane_m: float = 0.0,
+    ) -> None:
+        """`lane_m` is the middle of its lane on the carriageway, from which manoeuvres count their lateral position."""
         self.place = place  # s, lateral on the carriageway
-        self._forward = -1.0 if spec.oncoming else 1.0
-        self._turn_rad = math.pi if spec.oncoming else 0.0  # heading to the road's
-        self._along_mps = self.target_speed = spec.speed_mps
+        self._forward = -1.0 if oncoming else 1.0
+        self._turn_rad = math.pi if oncoming else 0.0  # heading to the road's
+        self._along_mps = speed
         self._rate_mps2: float | None = None  # of a manoeuvre
-        self._lane_m = place[1] - spec.lateral_m
+        self._lane_m = lane_m
         self._lateral_m, self._lateral_mps = place[1], 0.0  # wanted
-        self._waiting, self._waited_s = list(spec.manoeuvres), 0.0
+        self._waiting, self._waited_s = list(manoeuvres), 0.0
         centre = road.network.centre
-        super().__init__(road, centre.position_at(*place), centre.heading_at(place[0]) + self._turn_rad, spec.speed_mps)
+        super().__init__(road, centre.position_at(*place), centre.heading_at(place[0]) + self._turn_rad, speed)
+        self.target_speed = speed
 
     def act(self, action: object = None) -> None:  # noqa: ARG002
         """Begin the manoeuvre that is due, and set the acceleration; the argument is ignored."""

@@ -10,7 +10,6 @@ from highway_env.vehicle.objects import Obstacle, RoadObject
 from vpf_sim.envs.actor import Actor
 from vpf_sim.scenarios import Scenario
 from vpf_sim.scenarios.kinds import MOVING, SIZES, ObjectKind
-from vpf_sim.scenarios.parts import ObjectSpec
 
 
 class StaticObstacle(Obstacle):  # type: ignore[misc]
@@ -19,10 +18,10 @@ class StaticObstacle(Obstacle):  # type: ignore[misc]
     kind: ObjectKind
     HEIGHT: float
 
-    def __init__(self, road: Road, place: tuple[float, float], spec: ObjectSpec) -> None:
+    def __init__(self, road: Road, place: tuple[float, float], oncoming: bool = False) -> None:
         self.place = place  # s, lateral on the carriageway
         centre = road.network.centre
-        super().__init__(road, centre.position_at(*place), centre.heading_at(place[0]) + _turn(spec))
+        super().__init__(road, centre.position_at(*place), centre.heading_at(place[0]) + (math.pi if oncoming else 0.0))
 
 
 def _class_by_kind(base: type[RoadObject], kinds: Iterable[ObjectKind]) -> dict[ObjectKind, type[Any]]:
@@ -50,16 +49,13 @@ ACTORS = _class_by_kind(Actor, MOVING)
 globals().update({cls.__name__: cls for cls in (*STATIC_OBSTACLES.values(), *ACTORS.values())})
 
 
-def _turn(spec: ObjectSpec) -> float:
-    """rad, heading of an object to the road's."""
-    return math.pi if spec.oncoming else 0.0
-
-
 def place_objects(road: Road, scenario: Scenario) -> None:
     """Put the objects of a scenario on its road, along their lanes."""
     for obj in scenario.bodies:
-        place = (obj.s_m, scenario.road.lane_offset_m(obj.lane) + obj.lateral_m)
+        lane_m = scenario.road.lane_offset_m(obj.lane)
+        place = (obj.s_m, lane_m + obj.lateral_m)
         if obj.is_actor:
-            road.vehicles.append(ACTORS[obj.kind](road, place, obj))
+            actor = ACTORS[obj.kind](road, place, obj.speed_mps, obj.oncoming, obj.manoeuvres, lane_m)
+            road.vehicles.append(actor)
         else:
-            road.objects.append(STATIC_OBSTACLES[obj.kind](road, place, obj))
+            road.objects.append(STATIC_OBSTACLES[obj.kind](road, place, obj.oncoming))

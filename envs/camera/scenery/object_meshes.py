@@ -10,7 +10,7 @@ from vpf_sim.envs.camera.scenery.mesh import Colour, Mesh, MeshBuilder, Point, b
 from vpf_sim.envs.camera.scenery.people import pedestrian
 from vpf_sim.scenarios.kinds import SIZES
 
-HEIGHTS_M = {kind: size.height_m for kind, size in SIZES.items()}
+HEIGHTS_M: dict[str, float] = {kind: size.height_m for kind, size in SIZES.items()}
 
 Maker = Callable[[float, float, float, np.random.Generator], Mesh]
 WOOD: Colour = (150, 118, 78)

@@ -11,7 +11,7 @@ from vpf_sim.envs.camera.sky.sky_dome import ZENITH_SLOPE
 from vpf_sim.envs.camera.texture import noise
 from vpf_sim.types import Floats, Image
 
-COLUMNS, ROWS_PER_COLUMN = 2560, 0.15625  # columns at full detail; rows per column and slope
+COLUMNS, ROWS_PER_SLOPE = 2560, 400  # columns at full detail
 HILLS = (  # (distance in m, tangent of the height, RGB), from far to near; the nearest is a line of trees
     (5500.0, 0.060, (58, 82, 96)),
     (2600.0, 0.036, (62, 84, 70)),
@@ -44,7 +44,7 @@ def hills(
     Column i is the azimuth 2 pi i / columns; rows are linear in the tangent of the elevation, from `tall` down to 0.
     """
     columns = tops.shape[1]
-    rows = max(2, int(tall * ROWS_PER_COLUMN * columns))
+    rows = int(tall * ROWS_PER_SLOPE)
     slope = np.linspace(tall, 0.0, rows)[:, None]
     picture = _magnified(sky, slope[:, 0], columns)
     airlight = picture[-1]
@@ -55,6 +55,8 @@ def hills(
         texture = noise((rows, columns), rng, 3.5, 0.8)[..., None] * 13.0
         tone = (np.array(colour, float) + texture) * light.ground
         picture += cover * (airlight + (tone - airlight) * transmission - picture)
+    if columns < COLUMNS:
+        picture = np.asarray(cv2.blur(picture, (1, 2 * COLUMNS // columns + 1)))  # a pixel is taller than a row
     return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
 
 
