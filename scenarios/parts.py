@@ -61,6 +61,13 @@ class RoadAppearance(Section):
     edge_lines: Literal["both", "left", "right", "none"] = Field(
         default="both", description="which of the two solid lines are painted"
     )
+    lines: Literal["white", "yellow"] = Field(default="white", description="colour of all paint")
+    stripe_m: Annotated[float, Field(gt=0.0, le=50.0)] = Field(
+        default=3.0, description="length of a lane line's stripes"
+    )
+    gap_m: Annotated[float, Field(gt=0.0, le=50.0)] = Field(default=6.0, description="between them")
+    marks: bool = Field(default=False, description="true: arrows in the lanes, stop lines and zebra crossings")
+    shadows: bool = Field(default=False, description="true: trees, posts, signs and gantries cast shadows in the sun")
 
 
 class Road(Section):

@@ -20,7 +20,6 @@ SHORTEST_STEP_M, STRAIGHT_STEP_M = 0.5, 8.0
 PROBES = 64  # samples of a lane's heading
 RUN_ON_M = 300.0  # extension of lanes beyond the network's ends
 SAME_LINE_M = 0.4  # lines nearer than this are the same line
-STRIPE_M, PERIOD_M = 3.0, 9.0
 ROADS = 16  # whose lines and edges are kept
 
 
@@ -104,11 +103,12 @@ def interpolated(s: Floats, stations: Floats, points: Floats) -> Floats:
     return np.stack([np.interp(s, stations, points[:, i]) for i in range(2)], axis=-1)
 
 
-def stripes(line: Line) -> Floats:
-    """(n, 2) m, start and end of each stripe along a striped line: 3 m of every 9 m."""
+def stripes(line: Line, stripe_m: float, gap_m: float) -> Floats:
+    """(n, 2) m, start and end of each stripe along a striped line."""
+    period_m = stripe_m + gap_m
     first, last = line.s_m[0], line.s_m[-1]
-    starts = np.arange(np.ceil(first / PERIOD_M), np.floor((last - STRIPE_M) / PERIOD_M) + 1) * PERIOD_M
-    return np.stack([starts, starts + STRIPE_M], axis=1)
+    starts = np.arange(np.ceil(first / period_m), np.floor((last - stripe_m) / period_m) + 1) * period_m
+    return np.stack([starts, starts + stripe_m], axis=1)
 
 
 @dataclass(frozen=True, slots=True)

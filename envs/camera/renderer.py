@@ -19,6 +19,7 @@ from vpf_sim.envs.camera.rain.streaks import Streaks
 from vpf_sim.envs.camera.rain.wet_road import WetRoad
 from vpf_sim.envs.camera.rig import Rig
 from vpf_sim.envs.camera.scenery.scene import Scene, Snapshot
+from vpf_sim.envs.camera.scenery.shadows import NO_SUN
 from vpf_sim.envs.camera.sensor import Sensor
 from vpf_sim.envs.camera.sky.sky import Sky
 from vpf_sim.envs.camera.truth import Drawn, Moment, truth
@@ -52,9 +53,11 @@ class Renderer:
         camera = self._camera = self._lens.pinhole
         self._sky = Sky(camera, light, atmosphere, seed)
         appearance = getattr(road.network, "appearance", None)
-        self._ground = Ground(camera, shapes, light, atmosphere.wetness, seed, appearance)
         self._haze = Haze(camera, atmosphere, light)
         self._scene = Scene(camera, shapes, light, self._haze, seed)
+        shaded = appearance is not None and appearance.shadows and light.shadow < NO_SUN
+        shadows = self._scene.scenery_shadows() if shaded else None
+        self._ground = Ground(camera, shapes, light, atmosphere.wetness, seed, appearance, shadows)
         self._wet_road = WetRoad(camera, shapes, atmosphere, seed)
         self._spray = Spray(camera, atmosphere, light, seed)
         self._streaks = Streaks(camera, atmosphere, light, weather.streak_gain, seed)

@@ -2,7 +2,9 @@
 
 import numpy as np
 
+from vpf_sim.envs.camera.ground.paint import LINE
 from vpf_sim.envs.camera.ground.palette import RAMP
+from vpf_sim.scenarios.parts import RoadAppearance
 from vpf_sim.types import Floats
 
 # Colours at noon, RGB, at the ramp's values: the verge from dark to bright and the gravel, then the road.
@@ -37,16 +39,19 @@ VERGES: dict[str, list[tuple[int, int, int]]] = {
     ],
 }
 SURFACES = {"concrete": [(146, 144, 137), (162, 160, 152)], "dark": [(44, 45, 48), (56, 57, 60)]}
+YELLOW = np.array([1.0, 0.82, 0.32])  # of white paint
 WORN = 0.6  # loss of contrast of worn paint
 
 
-def ramp(verge: str, surface: str, worn: bool) -> Floats:
+def ramp(look: RoadAppearance) -> Floats:
     """(n, 4) value, red, green, blue; `palette.RAMP` is grass and asphalt with fresh paint."""
     found = RAMP.copy()
-    for values, colours in ((VERGE_VALUES, VERGES.get(verge)), (ROAD_VALUES, SURFACES.get(surface))):
+    for values, colours in ((VERGE_VALUES, VERGES.get(look.verge)), (ROAD_VALUES, SURFACES.get(look.surface))):
         if colours is not None:
             found[np.isin(found[:, 0], values), 1:] = colours
-    if worn:
+    if look.lines == "yellow":
+        found[found[:, 0] >= LINE, 1:] *= YELLOW
+    if look.worn:
         paint, road = found[:, 0] >= PAINT_FROM, found[found[:, 0] == ROAD_VALUES[-1], 1:]
         found[paint, 1:] += WORN * (road - found[paint, 1:])
     return found

@@ -7,12 +7,13 @@ import numpy as np
 
 from vpf_sim.envs.camera.detail import detail
 from vpf_sim.envs.camera.ground.appearance import ramp
+from vpf_sim.envs.camera.ground.cast_shadows import LIT, darken, shadow_patches
 from vpf_sim.envs.camera.ground.gains import even_gains
 from vpf_sim.envs.camera.ground.grain import Grain
-from vpf_sim.envs.camera.ground.levels import levels
-from vpf_sim.envs.camera.ground.paint import painted
-from vpf_sim.envs.camera.ground.palette import RAMP, blotch_strength, grain_strength, ground_table
-from vpf_sim.envs.camera.ground.patches import patch_of, sample
+from vpf_sim.envs.camera.ground.levels import Level, levels
+from vpf_sim.envs.camera.ground.paint import GRASS, painted
+from vpf_sim.envs.camera.ground.palette import blotch_strength, grain_strength, ground_table
+from vpf_sim.envs.camera.ground.patches import Patch, patch_of, sample
 from vpf_sim.envs.camera.ground.raster import Raster
 from vpf_sim.envs.camera.ground.surface import Surface
 from vpf_sim.envs.camera.horizon import ground_top
@@ -38,25 +39,30 @@ class Ground:
         wetness: float,
         seed: int,
         appearance: RoadAppearance | None = None,
+        shadows: list[Floats] | None = None,
     ) -> None:
+        """`shadows` are the convex outlines (V, 2) m of the scenery's shadows, None without any."""
+        look = RoadAppearance() if appearance is None else appearance
         self._top = ground_top(camera)
         self._levels = levels(camera)
-        batches = painted(shapes, seed)
+        batches = painted(shapes, seed, look)
         self._patches = []
         for level, gain in zip(self._levels, even_gains(camera), strict=True):
-            surface = Surface(batches, level.near_m / detail(camera), NEAR_FINE if level.steep else FAR_FINE)
+            surface = Surface(batches, level.near_m / detail(camera), _fineness(level))
             self._patches.append(patch_of(camera, level, partial(_painted, surface, Grain(level, seed), gain)))
-        self._table = ground_table(
-            light, wetness, RAMP if appearance is None else ramp(appearance.verge, appearance.surface, appearance.worn)
-        )
+        self._table = ground_table(light, wetness, ramp(look))
         self._values = np.empty((camera.height_px - self._top, camera.width_px), np.uint8)
         faded = max((len(level.weights) for level in self._levels), default=0)
         self._over = np.empty((faded, camera.width_px), np.uint8)
+        self._shadows = [] if shadows is None else shadow_patches(camera, self._levels, shadows, _fineness)
+        self._shade = light.shadow
 
     def update(self, view: View) -> None:
         """Update the rasters for a view."""
         painted = False
         for patch in reversed(self._patches):
+            painted |= patch.update(view, may_defer=painted)
+        for patch in reversed(self._shadows):
             painted |= patch.update(view, may_defer=painted)
 
     @timed("render.ground")
@@ -65,18 +71,31 @@ class Ground:
         if not self._levels:
             return
         self.update(view)
+        self._sample(self._patches, view, GRASS)
+        ground = frame[self._top :]
+        cv2.applyColorMap(self._values, self._table, ground)
+        if self._shadows:
+            self._sample(self._shadows, view, LIT)
+            darken(ground, self._values, self._shade)
+
+    def _sample(self, patches: list[Patch], view: View, outside: int) -> None:
+        """Sample all rows from the patches of the levels."""
         to_world = view.ground_homography()
-        for level, patch in zip(self._levels, self._patches, strict=True):
+        for level, patch in zip(self._levels, patches, strict=True):
             for band in level.bands:
                 target = self._values[band.first : band.last]
                 if not band.faded:
-                    sample(patch, band, to_world, target)
+                    sample(patch, band, to_world, target, outside)
                     continue
                 over = self._over[: len(target)]
-                sample(patch, band, to_world, over)
+                sample(patch, band, to_world, over, outside)
                 first = band.first - level.bands[0].first
                 _fade(target, over, level.weights[first : first + len(target)])
-        cv2.applyColorMap(self._values, self._table, frame[self._top :])
+
+
+def _fineness(level: Level) -> tuple[int, int]:
+    """Supersampling of a level's raster, across and along."""
+    return NEAR_FINE if level.steep else FAR_FINE
 
 
 def _fade(rows: Image, over: Image, weights: Image) -> None:

@@ -10,6 +10,7 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from vpf_sim.envs.camera.ground.road_marks import road_marks
 from vpf_sim.envs.camera.ground.wear import (
     FLAKE_RANGE_M,
     WEAR_RANGE_M,
@@ -19,6 +20,7 @@ from vpf_sim.envs.camera.ground.wear import (
     tracks,
 )
 from vpf_sim.envs.camera.layout import Edge, LaneShape, Line, interpolated, lines, outer_edges, stripes
+from vpf_sim.scenarios.parts import RoadAppearance
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
 
@@ -73,7 +75,7 @@ class Batch:
         return np.asarray(np.linalg.norm(offset, axis=2).max(axis=1))
 
 
-def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
+def painted(shapes: list[LaneShape], seed: int, look: RoadAppearance) -> list[Batch]:
     """All batches in drawing order."""
     rng = stream(seed, "asphalt")
     marks = lines(shapes)
@@ -84,11 +86,12 @@ def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
     paved = [(edge.at(-0.3), edge.at(PAVED_SHOULDER_M), ASPHALT - 4) for edge in outer]
     surfaces = [(shape.left_m, shape.right_m, ASPHALT + int(rng.integers(-2, 3))) for shape in shapes]
     solid = [_ribbon(line, LINE_WIDTH_M) for line in marks if not line.striped]
-    striped = np.concatenate([np.empty((0, 6, 2)), *(_stripe_polygons(line) for line in marks if line.striped)])
+    striped = np.concatenate([np.empty((0, 6, 2)), *(_stripe_polygons(line, look) for line in marks if line.striped)])
     polished = [(left, right, ASPHALT + tone) for left, right, tone in tracks(shapes)]
     coarse, coarse_tones = coarse_wear(shapes, rng)
     fine, fine_tones = fine_wear(shapes, rng)
     paint = LINE - np.minimum(np.abs(np.rint(rng.normal(0.0, FADED, len(striped)))), 3 * FADED).astype(np.int64)
+    symbols = road_marks(shapes, stream(seed, "road marks")) if look.marks else []
     batches = [
         _strips(far_shoulders, thin=False),
         _strips(shoulders, thin=False, range_m=RAGGED_RANGE_M),
@@ -98,6 +101,7 @@ def painted(shapes: list[LaneShape], seed: int) -> list[Batch]:
         _separate(fine, ASPHALT + fine_tones, thin=True, range_m=WEAR_RANGE_M),
         _strips([(a, b, LINE) for a, b in solid], thin=True),
         _separate(striped, paint, thin=True),
+        *(_separate(marks_m, np.full(len(marks_m), LINE - FADED), thin=False) for marks_m in symbols),
         _separate(worn := flakes(marks, rng), np.full(len(worn), ASPHALT - 3), thin=False, range_m=FLAKE_RANGE_M),
     ]
     return [batch for batch in batches if len(batch.values)]
@@ -120,9 +124,9 @@ def _ribbon(line: Line, width_m: float) -> tuple[Floats, Floats]:
     return line.points_m - right, line.points_m + right
 
 
-def _stripe_polygons(line: Line) -> Floats:
+def _stripe_polygons(line: Line, look: RoadAppearance) -> Floats:
     """(n, 6, 2) one polygon per stripe: up its left edge, down its right edge."""
-    span = stripes(line)
+    span = stripes(line, look.stripe_m, look.gap_m)
     s = np.stack([span[:, 0], span.mean(axis=1), span[:, 1]], axis=1)
     left, right = (interpolated(s, line.s_m, edge) for edge in _ribbon(line, LINE_WIDTH_M))
     return np.concatenate([left, right[:, ::-1]], axis=1)

@@ -48,9 +48,10 @@ class Polygons:
 class Surface:
     """Draws the ground's polygons on rasters near each other, for a level from the depth `near_m` on."""
 
-    def __init__(self, batches: list[Batch], near_m: float, fine: tuple[int, int]) -> None:
+    def __init__(self, batches: list[Batch], near_m: float, fine: tuple[int, int], outside: int = GRASS) -> None:
         self._batches = [batch for batch in batches if batch.range_m > near_m]
         self._fine = fine  # supersampling, across and along
+        self._outside = outside  # value beside all polygons
         self._close: Polygons | None = None
         self._middle = np.full(2, np.inf)
         self._reach_m = 0.0
@@ -58,7 +59,7 @@ class Surface:
     def paint(self, raster: Raster) -> Image:
         """(rows, columns) palette values."""
         fine_x, fine_y = self._fine
-        canvas = np.full((fine_y * raster.rows, fine_x * raster.columns), GRASS, np.uint8)
+        canvas = np.full((fine_y * raster.rows, fine_x * raster.columns), self._outside, np.uint8)
         polygons, indices = self._candidates(raster)
         if polygons is not None and len(indices):
             _fill(canvas, polygons, indices, raster.finer(fine_x, fine_y))

@@ -84,6 +84,10 @@ class Scene:
             obj = now.objects[i]
             self._shape(obj).solid.update(now.view, now.poses[obj])
 
+    def scenery_shadows(self) -> list[Floats]:
+        """(V, 2) m, outlines of the shadows of furniture, trees and bushes on the ground."""
+        return self._scenery.shadow_polygons(self._light)
+
     @timed("render.scene")
     def paint(self, frame: Image, drawn: list[Drawn]) -> None:
         """Draw items over the image, in their order."""

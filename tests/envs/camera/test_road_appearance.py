@@ -11,6 +11,7 @@ from vpf_sim.envs.camera.ground.appearance import SURFACES, VERGES, ramp
 from vpf_sim.envs.camera.ground.palette import RAMP
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.road import Carriageway
+from vpf_sim.scenarios.parts import RoadAppearance
 from vpf_sim.types import Floats
 
 ROAD = """
@@ -44,7 +45,7 @@ def plain() -> Floats:
 
 
 def test_default_appearance_is_the_palette_ramp() -> None:
-    assert np.array_equal(ramp("grass", "asphalt", worn=False), RAMP)
+    assert np.array_equal(ramp(RoadAppearance()), RAMP)
 
 
 def test_verge_can_be_set(plain: Floats) -> None:

@@ -1,0 +1,60 @@
+"""Symbols painted on the road: arrows in the lanes, stop lines, zebra crossings. The seed places them."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from vpf_sim.envs.camera.layout import LaneShape, interpolated
+from vpf_sim.types import Floats
+
+ARROWS_EVERY_M, CROSSINGS_EVERY_M = 45.0, 140.0  # mean distances
+ARROW_M = 5.0  # length
+STOP_LINE_M, BEFORE_CROSSING_M = 0.5, 1.5  # width of a stop line, and its distance from the crossing
+BAR_M, BARS_EVERY_M, CROSSING_M = 0.5, 1.0, 3.0  # bars of a zebra crossing: width, spacing, length along the road
+
+# Convex parts of an arrow as (ahead, right) in m, from its foot: shaft, and head or heads.
+SHAFT = [(0.0, -0.08), (0.0, 0.08), (3.4, 0.08), (3.4, -0.08)]
+STRAIGHT = [(3.2, -0.4), (3.2, 0.4), (ARROW_M, 0.0), (ARROW_M, 0.0)]
+BENT = [(0.0, -0.08), (0.0, 0.08), (2.7, 0.08), (2.5, -0.08)]
+TURNING = [(2.6, 0.9), (3.9, 0.9), (3.25, 1.7), (3.25, 1.7)]
+CURVE = [(2.3, 0.0), (3.1, 0.95), (3.4, 0.95), (2.7, 0.0)]
+ARROWS = ((SHAFT, STRAIGHT), (BENT, CURVE, TURNING), (SHAFT, STRAIGHT, CURVE, TURNING))
+
+
+def road_marks(shapes: list[LaneShape], rng: np.random.Generator) -> list[Floats]:
+    """Polygons (n, 4, 2) m of all symbols; a list with one array, or empty for a road too short for any."""
+    first, last = (max(s.s_m[0] for s in shapes), min(s.s_m[-1] for s in shapes))
+    crossings = _places(first, last, CROSSINGS_EVERY_M, rng)
+    polygons = []
+    for shape in shapes:
+        arrows = [part for s in _places(first, last, ARROWS_EVERY_M, rng) for part in _arrow(s, rng)]
+        bars = [part for s in crossings for part in _crossing(shape, s)]
+        polygons += [_on_lane(shape, part) for part in (*arrows, *bars)]
+    return [np.array(polygons)] if polygons else []
+
+
+def _places(first: float, last: float, every_m: float, rng: np.random.Generator) -> list[float]:
+    return sorted(rng.uniform(first, last, rng.poisson((last - first) / every_m)).tolist())
+
+
+def _arrow(s: float, rng: np.random.Generator) -> Iterator[list[tuple[float, float]]]:
+    """The parts of a random arrow as (s, lateral) m; turning ones point to either side."""
+    side = 1.0 if rng.random() < 0.5 else -1.0
+    for part in ARROWS[int(rng.integers(len(ARROWS)))]:
+        yield [(s + ahead, side * right) for ahead, right in part]
+
+
+def _crossing(shape: LaneShape, s: float) -> Iterator[list[tuple[float, float]]]:
+    """A lane's bars of a zebra crossing, and its stop line."""
+    half = 0.5 * shape.width_m
+    for left in np.arange(-half + 0.25, half - BAR_M, BARS_EVERY_M).tolist():
+        yield [(s, left), (s, left + BAR_M), (s + CROSSING_M, left + BAR_M), (s + CROSSING_M, left)]
+    line = s - BEFORE_CROSSING_M - STOP_LINE_M
+    yield [(line, -half), (line, half), (line + STOP_LINE_M, half), (line + STOP_LINE_M, -half)]
+
+
+def _on_lane(shape: LaneShape, part: list[tuple[float, float]]) -> Floats:
+    """(4, 2) m, world points of (s, lateral) on a lane."""
+    s, lateral = np.array(part).T
+    left, right = (interpolated(s, shape.s_m, edge) for edge in (shape.left_m, shape.right_m))
+    return np.asarray(left + (0.5 + lateral / shape.width_m)[:, None] * (right - left))

@@ -1,0 +1,88 @@
+"""Symbols on the road, other lines, and shadows across it."""
+
+import cv2
+import numpy as np
+import pytest
+
+from vpf_sim import scenarios
+from vpf_sim.envs.camera.ground.cast_shadows import shadow_batches
+from vpf_sim.envs.camera.ground.road_marks import road_marks
+from vpf_sim.envs.camera.layout import lane_shapes, lines, stripes
+from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.weather import PRESETS
+from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.types import Image
+
+ROAD = """
+base = "straight"
+schema = 1
+[road.look]
+"""
+
+
+def frame(look: str, weather: str = "ClearSunset", seed: int = 4) -> Image:
+    """The first frame on a straight road; sensor noise and grain are the same for every look."""
+    env = FourLane(scenarios.parse(ROAD + look, "look.toml"), weather)
+    return np.asarray(env.reset(seed=seed)[0]["image"])
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_symbols_lie_within_their_lanes(seed: int) -> None:
+    env = FourLane("town04", frames=False)
+    env.reset(seed=0)
+    shapes = lane_shapes(env.road)
+    (polygons,) = road_marks(shapes, np.random.default_rng(seed))
+    _, lateral_m = env.road.network.centre.local(polygons)
+    lanes = np.floor((lateral_m + env.road.network.half_width_m) / 3.5 - 1e-6 * np.sign(lateral_m))
+    assert np.abs(lateral_m).max() <= env.road.network.half_width_m + 0.01
+    middle = lateral_m.mean(axis=1, keepdims=True)
+    assert (np.abs(lateral_m - middle) <= 1.75 + 0.01).all()
+    assert len(np.unique(lanes)) >= 4
+
+
+def test_marks_brighten_the_lanes_alone() -> None:
+    plain, marked = (frame(f"marks = {value}", "clear").astype(int) for value in ("false", "true"))
+    change = (marked - plain).max(axis=2)
+    assert (change[:239] == 0).all()
+    assert 200 < (change[240:] > 40).sum() < 60_000
+
+
+def test_stripes_have_their_lengths() -> None:
+    env = FourLane("straight", frames=False)
+    env.reset(seed=0)
+    (line, *_) = [line for line in lines(lane_shapes(env.road)) if line.striped]
+    spans = stripes(line, 6.0, 12.0)
+    assert np.allclose(spans[:, 1] - spans[:, 0], 6.0)
+    assert np.allclose(np.diff(spans[:, 0]), 18.0)
+
+
+def test_yellow_lines_are_yellow_and_asphalt_stays_grey() -> None:
+    white, yellow = (frame(f'lines = "{colour}"', "clear").astype(int) for colour in ("white", "yellow"))
+    painted = white[300:].min(axis=2) > 190
+    assert painted.sum() > 200
+    assert (yellow[300:][painted][:, 2] < yellow[300:][painted][:, 0] - 60).mean() > 0.9
+    asphalt = white[300:].max(axis=2) < 120
+    assert np.abs(yellow - white)[300:][asphalt].mean() < 1.0
+
+
+def test_shadows_darken_the_road_as_much_as_the_light_says() -> None:
+    light = Light.of(PRESETS["ClearSunset"])
+    ratios = []
+    for seed in range(4, 10):
+        lit, shaded = (frame(f"shadows = {value}", seed=seed) for value in ("false", "true"))
+        grey, dark = (cv2.blur(picture, (9, 9)).astype(float)[260:].mean(axis=2) for picture in (lit, shaded))
+        inside = dark < 0.5 * (1.0 + light.shadow) * grey
+        ratios += (dark / grey)[cv2.erode(inside.astype(np.uint8), np.ones((15, 15))) > 0].tolist()
+        assert (lit[:239] == shaded[:239]).mean() > 0.98
+    assert len(ratios) > 500
+    assert np.median(ratios) == pytest.approx(light.shadow, abs=0.04)
+
+
+def test_an_overcast_sky_casts_no_shadows() -> None:
+    assert np.array_equal(frame("shadows = true", "rain"), frame("shadows = false", "rain"))
+
+
+def test_overlapping_shadows_are_filled_one_by_one() -> None:
+    square = np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)])
+    (batch,) = shadow_batches([square, square + 1.0])
+    assert len(np.unique(batch.strips)) == 2
