@@ -16,7 +16,7 @@ from vpf_sim import scenarios
 from vpf_sim.envs import camera as cameras
 from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.camera import weather as weathers
-from vpf_sim.envs.camera.rig import checked_rig
+from vpf_sim.envs.camera.rig import checked_rig, preset
 from vpf_sim.envs.ego import MAX_SPEED_MPS, YAW_RATE_LIMIT_RADPS, Ego
 from vpf_sim.envs.ending import TERMINATED, TRUNCATED, Ending, Status
 from vpf_sim.envs.rectangles import clearance, distance, solid_objects
@@ -80,8 +80,6 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         rig: Rig | None = None,
         frames: bool = True,
     ) -> None:
-        self.rig = checked_rig(rig)
-        self.camera = self.rig.camera
         self.vehicle_model = VehicleModel()
         self.rate_hz = _checked_rate(rate_hz)
         self.metadata = {**self.metadata, "render_fps": round(rate_hz)}
@@ -93,6 +91,8 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         if not frames and (self.render_mode or self._truth):
             raise InputError("frames: expected them to be taken for a render mode or for truth, got False")
         self._template = scenarios.load(scenario)
+        self.rig = preset(self._template.ego.camera) if rig is None else checked_rig(rig)
+        self.camera = self.rig.camera
         self.scenario = self._template.draw(0)
         self.weather = weathers.load(weather)
         self.speed_reference_mps = self._template.ego.speed_reference_mps

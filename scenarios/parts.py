@@ -164,7 +164,11 @@ class SensorFaults(Section):
         return self.speed_stuck_after_s is not None or self.yaw_rate_spike_share > 0.0
 
 
+CameraName = Literal["default", "dash-cam", "phone", "kitti"]
+
+
 class Ego(Section):
+    camera: CameraName = Field(default="default", description="640 x 480 pixels over 90 deg, or another camera")
     sensors: Sensors = Sensors()
     sensor_faults: SensorFaults = SensorFaults()
     lane: PositiveInt = Field(default=2, description="counted from the right, from 1")

@@ -14,6 +14,9 @@ from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.layout import lane_shapes
 from vpf_sim.envs.camera.lens import Lens
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.onboard.bonnet import Bonnet
+from vpf_sim.envs.camera.onboard.recorder import ExposureControl, Recorder
+from vpf_sim.envs.camera.onboard.windscreen import Windscreen
 from vpf_sim.envs.camera.rain.spray import Spray
 from vpf_sim.envs.camera.rain.streaks import Streaks
 from vpf_sim.envs.camera.rain.wet_road import WetRoad
@@ -62,6 +65,10 @@ class Renderer:
         self._spray = Spray(camera, atmosphere, light, seed)
         self._streaks = Streaks(camera, atmosphere, light, weather.streak_gain, seed)
         self._glass = Glass(rig.camera, weather, light, seed)
+        self._bonnet = Bonnet(camera, light) if rig.bonnet else None
+        self._windscreen = Windscreen(rig, light, seed) if rig.dirt > 0.0 or rig.reflection > 0.0 else None
+        self._exposure = ExposureControl(rig.auto_exposure_s)
+        self._recorder = Recorder(rig)
         self._sensor = Sensor(rig, weather, seed)
         self._drawn: list[Drawn] | None = None  # items of the last frame; None if it was skipped
         self._now: Snapshot | None = None
@@ -78,11 +85,16 @@ class Renderer:
         now, before = self._advance(ego, time_s)
         frame = np.empty((self._camera.height_px, self._camera.width_px, 3), np.uint8)
         self._draw_world(frame, now, before)
+        if self._bonnet is not None:
+            self._bonnet.draw(frame)
         self._streaks.draw(frame, now, before)
-        frame = self._lens.distorted(frame)
+        frame = self._recorder.read_out(self._lens.distorted(frame), now, before)
         self._glass.draw(frame, now, before)
+        if self._windscreen is not None:
+            self._windscreen.draw(frame)
+        self._exposure.apply(frame, time_s)
         self._sensor.expose(frame)
-        return frame
+        return self._recorder.record(frame, now, before)
 
     @timed("skip")
     def skip(self, ego: Carrier, time_s: float) -> None:
@@ -90,7 +102,7 @@ class Renderer:
 
         The frame is drawn only if later frames reuse parts of it (reflections, drops on the glass).
         """
-        if self._wet_road.is_due or self._glass.is_due(time_s):
+        if self._wet_road.is_due or self._glass.is_due(time_s) or self._exposure.is_due(time_s):
             self.render(ego, time_s)
             return
         now, before = self._advance(ego, time_s)
@@ -105,9 +117,8 @@ class Renderer:
     def truth(self, names: tuple[str, ...]) -> dict[str, NDArray[np.generic]]:
         """The ground truth `names` of the last frame (see `vpf_sim.envs.camera.truth`), and `hidden`.
 
-        `hidden` is (H, W) bool: pixels that reflections, spray, drops or wipers hide or falsify. A skipped frame has
-        `foe` only.
-
+        `hidden` is (H, W) bool: pixels that reflections, spray, drops, wipers, dirt or the bonnet hide or falsify. A
+        skipped frame has `foe` only.
         """
         if self._now is None or self._before is None:
             raise RuntimeError("no frame has been rendered yet")
@@ -117,7 +128,11 @@ class Renderer:
         result = truth(names, moment, self._drawn or [], self._lens)
         if "hidden" in names:
             outside = self._wet_road.hidden() | self._spray.hidden()
-            result["hidden"] = self._lens.nearest(outside) | self._glass.hidden()
+            if self._bonnet is not None:
+                hides = self._bonnet.hides()
+                outside[-len(hides) :] |= hides
+            hidden = self._lens.nearest(outside) | self._glass.hidden()
+            result["hidden"] = hidden if self._windscreen is None else hidden | self._windscreen.hidden()
         return result
 
     def _advance(self, ego: Carrier, time_s: float) -> tuple[Snapshot, Snapshot]:

@@ -5,6 +5,7 @@ from math import isfinite, tan
 from numbers import Integral, Real
 
 from vpf_sim.errors import InputError
+from vpf_sim.scenarios.parts import CameraName
 from vpf_sim.types import Camera
 
 LARGEST_PX = 8192
@@ -19,12 +20,24 @@ class Rig:
     scale (EMVA 1288: shot noise and 4 electrons of read noise, after a gamma of 2.2). exposure_ev: longer (+) or
     shorter (-) than the automatic exposure, in powers of 2 of the light. blur_px: standard deviation of the blur of
     lens and sensor, 0 for none.
+
+    What cameras in cars add, all off by default: `bonnet` at the lower edge; `reflection` of the dashboard in the
+    windscreen, 0 to 0.5 of the horizon's brightness; `dirt` on it, 0 to 0.5 of the picture; `overlay`, time and speed
+    as text; `rolling_shutter_ms`, the time to read all rows; `auto_exposure_s`, the lag of an exposure control;
+    `jpeg_quality`, 1 to 100. `preset` makes some cameras.
     """
 
     camera: Camera = field(default_factory=Camera)
     noise_sd: float | None = None
     exposure_ev: float = 0.0
     blur_px: float = 0.0
+    bonnet: bool = False
+    reflection: float = 0.0
+    dirt: float = 0.0
+    overlay: bool = False
+    rolling_shutter_ms: float = 0.0
+    auto_exposure_s: float = 0.0
+    jpeg_quality: int | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.camera, Camera):
@@ -39,6 +52,45 @@ class Rig:
             raise InputError(f"camera: exposure_ev: expected -4 to 4, got {self.exposure_ev}")
         if not 0.0 <= self.blur_px <= 5.0:
             raise InputError(f"camera: blur_px: expected 0 to 5, got {self.blur_px}")
+        for key, high in (("reflection", 0.5), ("dirt", 0.5), ("rolling_shutter_ms", 100.0), ("auto_exposure_s", 10.0)):
+            value = getattr(self, key)
+            if not _is_number(value) or not 0.0 <= value <= high:
+                raise InputError(f"camera: {key}: expected 0 to {high:g}, got {value!r}")
+        for key in ("bonnet", "overlay"):
+            if not isinstance(getattr(self, key), bool):
+                raise InputError(f"camera: {key}: expected True or False, got {getattr(self, key)!r}")
+        quality = self.jpeg_quality
+        if quality is not None and not (isinstance(quality, Integral) and 1 <= int(quality) <= 100):
+            raise InputError(f"camera: jpeg_quality: expected 1 to 100, got {quality!r}")
+
+
+def preset(name: CameraName) -> Rig:
+    """A camera by its name in scenario files."""
+    if name == "dash-cam":
+        return Rig(
+            Camera.of(848, 480, 105.0, height_m=1.3, pitch_rad=0.03, k1=-0.08, k2=0.01),
+            blur_px=0.7,
+            bonnet=True,
+            reflection=0.08,
+            dirt=0.01,
+            overlay=True,
+            rolling_shutter_ms=25.0,
+            auto_exposure_s=0.5,
+            jpeg_quality=75,
+        )
+    if name == "phone":
+        return Rig(
+            Camera.of(960, 540, 65.0, height_m=1.25, pitch_rad=-0.02),
+            blur_px=0.5,
+            reflection=0.12,
+            dirt=0.02,
+            rolling_shutter_ms=18.0,
+            auto_exposure_s=0.3,
+            jpeg_quality=85,
+        )
+    if name == "kitti":  # Geiger et al., IJRR 32(11), 2013: camera 0 of the recordings of 2011-09-26
+        return Rig(Camera(1242, 374, 721.5, 721.5, 609.6, 172.9, height_m=1.65, forward_m=0.3))
+    return Rig()
 
 
 def checked_rig(rig: object) -> Rig:

@@ -1,0 +1,89 @@
+"""From the sensor to the file: rolling shutter, exposure control, text burnt in, compression."""
+
+from math import exp
+
+import cv2
+import numpy as np
+
+from vpf_sim.envs.camera.rig import Rig
+from vpf_sim.envs.camera.scenery.scene import Snapshot
+from vpf_sim.geometry import wrap_angle
+from vpf_sim.types import Image
+
+PERIOD_S = 0.1  # between measurements of the exposure
+TARGET = 112.0  # mean grey level that the exposure control wants
+WEAKEST, STRONGEST = 0.6, 1.7  # gains
+TEXT_SHARE, TEXT_AT = 0.028, 0.015  # height of the text and distance from the edges, of the picture's height
+KMPH = 3.6
+
+
+class ExposureControl:
+    """Follows the picture's mean with a lag. It measures at fixed times, so that skipped frames change nothing."""
+
+    def __init__(self, lag_s: float) -> None:
+        self._gain = 1.0
+        self._step = 0
+        self._weight = 1.0 - exp(-PERIOD_S / lag_s) if lag_s > 0.0 else 0.0
+        self._is_first = True
+
+    def is_due(self, time_s: float) -> bool:
+        """Whether the picture of this moment is measured."""
+        return self._weight > 0.0 and (self._is_first or int(time_s / PERIOD_S + 1e-6) > self._step)
+
+    def apply(self, frame: Image, time_s: float) -> None:
+        """Scale the frame in place by the present gain, and measure it if due."""
+        if self._weight == 0.0:
+            return
+        if self.is_due(time_s):
+            wanted = min(max(TARGET / max(float(frame.mean()), 1.0), WEAKEST), STRONGEST)
+            self._gain += (1.0 if self._is_first else self._weight) * (wanted - self._gain)
+            self._is_first, self._step = False, int(time_s / PERIOD_S + 1e-6)
+        cv2.convertScaleAbs(frame, frame, self._gain)
+
+
+class Recorder:
+    """Reads the rows one after another, burns in time and speed, and compresses."""
+
+    def __init__(self, rig: Rig) -> None:
+        self._readout_s = rig.rolling_shutter_ms / 1e3
+        self._has_text = rig.overlay
+        self._quality = rig.jpeg_quality
+        self._fx_px, self._cy_px = rig.camera.fx_px, rig.camera.cy_px
+        self._height_px = rig.camera.height_px
+
+    def read_out(self, frame: Image, now: Snapshot, before: Snapshot) -> Image:
+        """(H, W, 3) the frame as a rolling shutter sees it while the car turns; the middle row is read now.
+
+        The shift is that of distant points; translation and pitch are left out.
+        """
+        gap_s = now.time_s - before.time_s
+        if self._readout_s <= 0.0 or gap_s <= 0.0:
+            return frame
+        turned_rad = wrap_angle(now.view.yaw_rad - before.view.yaw_rad)
+        shear = self._fx_px * turned_rad / gap_s * self._readout_s / self._height_px  # px a row
+        matrix = np.array([[1.0, -shear, shear * self._cy_px], [0.0, 1.0, 0.0]])
+        size = (frame.shape[1], frame.shape[0])
+        return np.asarray(cv2.warpAffine(frame, matrix, size, borderMode=cv2.BORDER_REPLICATE), np.uint8)
+
+    def record(self, frame: Image, now: Snapshot, before: Snapshot) -> Image:
+        """(H, W, 3) the frame with its text, after compression."""
+        if self._has_text:
+            self._write(frame, now, before)
+        if self._quality is None:
+            return frame
+        _, coded = cv2.imencode(
+            ".jpg", cv2.cvtColor(frame, cv2.COLOR_RGB2BGR), [cv2.IMWRITE_JPEG_QUALITY, self._quality]
+        )
+        decoded = np.asarray(cv2.imdecode(coded, cv2.IMREAD_COLOR), np.uint8)
+        return np.asarray(cv2.cvtColor(decoded, cv2.COLOR_BGR2RGB), np.uint8)
+
+    def _write(self, frame: Image, now: Snapshot, before: Snapshot) -> None:
+        gap_s = now.time_s - before.time_s
+        way_m = float(np.linalg.norm(now.view.centre - before.view.centre))
+        speed_kmph = KMPH * way_m / gap_s if gap_s > 0.0 else 0.0
+        minutes, seconds = divmod(int(now.time_s), 60)
+        text = f"2026-06-21 12:{minutes:02d}:{seconds:02d}  {speed_kmph:3.0f} km/h"
+        tall, edge = TEXT_SHARE * len(frame), round(TEXT_AT * len(frame))
+        for shift, colour in ((1, (0, 0, 0)), (0, (255, 255, 255))):  # white with a black shadow
+            place = (edge + shift, len(frame) - 1 - edge + shift)
+            cv2.putText(frame, text, place, cv2.FONT_HERSHEY_SIMPLEX, tall / 22.0, colour, 1, cv2.LINE_AA)
