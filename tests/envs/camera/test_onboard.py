@@ -89,7 +89,7 @@ def test_exposure_control_follows_the_scene_with_its_lag() -> None:
         control.apply(frame, tick / 60.0)
         means.append(float(frame.mean()))
     assert means[0] == pytest.approx(112.0, abs=1.0)
-    assert means[60] < 65.0  # just after it got dark
+    assert means[60] < 70.0  # just after it got dark
     assert means[90] == pytest.approx(112.0 - 56.0 * np.exp(-1.0), rel=0.08)  # 1 / e of the way is left after a lag
     assert means[119] > means[90]
 
