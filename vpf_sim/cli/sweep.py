@@ -9,7 +9,12 @@ from vpf_sim.cli.options import DriversOption, ScenariosOption, WeathersOption, 
 from vpf_sim.cli.run_options import RunOptions, with_run_options
 from vpf_sim.shell import command
 
-FileArgument = Annotated[Path | None, typer.Argument(metavar="FILE", help="A sweep file; options override its values.")]
+FileArgument = Annotated[
+    Path | None,
+    typer.Argument(
+        metavar="FILE", help="A sweep file, or hard, 100 episodes that come along; options override its values."
+    ),
+]
 DryRunOption = Annotated[bool, typer.Option("--dry-run", help="Show what would be driven; drive and write nothing.")]
 DEFAULTS: dict[str, Any] = {"scenario": ["town04"], "weather": ["clear"], "driver": ["vpf"], "seeds": "0:5"}
 

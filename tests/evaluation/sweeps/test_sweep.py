@@ -21,7 +21,7 @@ from vpf_sim.evaluation.analysis.statistics import seeds_for_mean, seeds_for_sha
 from vpf_sim.evaluation.analysis.summary import mean, summarize
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.sweeps.json_lines import read_lines
-from vpf_sim.evaluation.sweeps.plan import Plan, make_plan
+from vpf_sim.evaluation.sweeps.plan import Plan, make_plan, read_plan
 from vpf_sim.evaluation.sweeps.run_folder import manifest
 from vpf_sim.evaluation.sweeps.sweep import changes, drive_and_store
 
@@ -140,6 +140,15 @@ def test_a_plan_is_its_grid_seed_by_seed() -> None:
 def test_a_plan_of_a_table() -> None:
     table = {"scenario": ["a"], "weather": ["clear"], "driver": ["pid"], "seeds": "0:1"}
     assert make_plan(table, "sweep.toml") == Plan(("a",), ("clear",), ("pid",), "0:1")
+
+
+def test_the_plan_hard_comes_along(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = make_plan(read_plan(Path("hard")), "hard")
+    assert len(plan.jobs()) == 100
+    assert len(plan.check()["scenarios"]) == len(plan.scenario)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "hard").write_text('driver = ["pid"]', "utf-8")
+    assert read_plan(Path("hard")) == {"driver": ["pid"]}, "a file of that name comes first"
 
 
 def test_a_plan_of_single_drives_has_no_others() -> None:

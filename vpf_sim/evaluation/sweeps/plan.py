@@ -14,6 +14,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation.job import Job
 
 MOST_DIGITS = 18  # of a seed
+SHIPPED = ("hard",)  # plans that come with the package
 MOST_SEEDS = 1_000_000  # of one run: more is a typing error and does not fit into memory
 
 
@@ -87,7 +88,9 @@ def parse_seeds(text: str, where: str = "--seeds") -> range:
 
 
 def read_plan(path: Path) -> dict[str, Any]:
-    """The keys and values of a sweep file."""
+    """The keys and values of a sweep file, or of a plan of SHIPPED by its name."""
+    if str(path) in SHIPPED and not path.exists():
+        return configuration.read("vpf_sim.evaluation.sweeps", f"{path}.toml")
     return configuration.read_file(path, "sweep")
 
 
