@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 
 from vpf_sim import scenarios
+from vpf_sim.envs.camera.rig import preset
 from vpf_sim.evaluation.rendering.scripted import Path, ScriptedDrive, smooth_step
 from vpf_sim.scenarios import Scenario
-from vpf_sim.scenarios.parts import ObjectSpec
+from vpf_sim.scenarios.parts import CameraName, ObjectSpec, RoadAppearance
 
 SEED = 12
 SUN_HEADING_DEG = 215.0  # heading of the sun in every preset
@@ -23,27 +24,38 @@ class Pose:
     speed_mps: float = 10.0
     objects: tuple[ObjectSpec, ...] = ()
     heading_deg: float | None = None  # of the road's start; None: the scenario's own
+    look: RoadAppearance | None = None  # None: the scenario's own
+    camera: CameraName = "default"
 
     def drive(self, lead_s: float, rate_hz: float) -> ScriptedDrive:
         """The drive of `lead_s` seconds that ends at the pose."""
         scenario = self._scenario(lead_s)
         offset_m = scenario.road.lane_offset_m(self.lane)
         path = Path(self.s_m - lead_s * self.speed_mps, self.speed_mps, lambda _: offset_m)
-        return ScriptedDrive(scenario, path, rate_hz=rate_hz)
+        return ScriptedDrive(scenario, path, preset(self.camera), rate_hz)
 
     def _scenario(self, lead_s: float) -> Scenario:
         plain = scenarios.load(self.scenario).draw(SEED)
-        started = (body.model_copy(update={"s_m": body.s_m - lead_s * body.speed_mps}) for body in self.objects)
+        started = (_before(body, lead_s) for body in self.objects)
         road = plain.road
         if self.heading_deg is not None:
             road = road.model_copy(update={"heading_deg": self.heading_deg})
+        if self.look is not None:
+            road = road.model_copy(update={"look": self.look})
         return plain.model_copy(update={"road": road, "bodies": (*plain.bodies, *started)})
 
 
-def _body(kind: str, s_m: float, lane: int, lateral_m: float = 0.0, speed_mps: float = 0.0) -> ObjectSpec:
-    return ObjectSpec.model_validate(
-        {"kind": kind, "s_m": s_m, "lane": lane, "lateral_m": lateral_m, "speed_mps": speed_mps}
-    )
+def _before(body: ObjectSpec, lead_s: float) -> ObjectSpec:
+    """An object where it was `lead_s` seconds ago."""
+    driven_m = lead_s * body.speed_mps * (-1.0 if body.oncoming else 1.0)
+    return body.model_copy(update={"s_m": body.s_m - driven_m})
+
+
+def _body(
+    kind: str, s_m: float, lane: int, lateral_m: float = 0.0, speed_mps: float = 0.0, oncoming: bool = False
+) -> ObjectSpec:
+    place = {"s_m": s_m, "lane": lane, "lateral_m": lateral_m}
+    return ObjectSpec.model_validate({"kind": kind, **place, "speed_mps": speed_mps, "oncoming": oncoming})
 
 
 POSES = (
@@ -90,6 +102,34 @@ POSES = (
             _body("pallet", 84.0, 4, -0.6),
             _body("pedestrian", 88.0, 1, 0.8),
         ),
+    ),
+    Pose(
+        "oncoming",
+        "one lane each way: a cyclist, a deer, oncoming traffic",
+        "oncoming",
+        s_m=52.0,
+        lane=1,
+        speed_mps=8.0,
+        objects=(
+            _body("cyclist", 64.0, 1, 1.0, speed_mps=5.0),
+            _body("deer", 65.0, 1, 2.6),
+            _body("car", 72.0, 2, speed_mps=8.0, oncoming=True),
+        ),
+    ),
+    Pose(
+        "marks",
+        "painted symbols, and shadows of the scenery",
+        "curve-left",
+        s_m=50.0,
+        look=RoadAppearance(marks=True, shadows=True),
+    ),
+    Pose(
+        "dash-cam",
+        "through a dash-cam: bonnet, reflections, dirt, text",
+        "straight",
+        s_m=90.0,
+        objects=(_body("car", 103.0, 2, speed_mps=10.0), _body("van", 118.0, 3, speed_mps=10.0)),
+        camera="dash-cam",
     ),
 )
 
