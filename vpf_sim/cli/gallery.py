@@ -26,7 +26,7 @@ def gallery(
 ) -> None:
     """Render weathers at fixed poses, as a page.
 
-    Each has seven places and a short drive; the folder has an index.html.
+    Each has ten places and a short drive; the folder has an index.html.
     """
     from vpf_sim.envs.camera import weather as weathers
     from vpf_sim.evaluation.sweeps import run_folder
