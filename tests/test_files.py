@@ -171,11 +171,12 @@ def test_a_folder_is_refused_before_any_work(tmp_path: Path) -> None:
 
 # Calls that write a file, by the file of ours that may have them: each hands a draft to a library, or appends lines.
 ALLOWED = {
-    "vpf_sim/files.py": {"open", "write_bytes", "replace"},
+    "vpf_sim/files.py": {"open", "write_bytes", "replace", "rename"},
     "vpf_sim/evaluation/sweeps/json_lines.py": {"os.open"},  # appended to, and cut back where there is no room
     "vpf_sim/evaluation/processes/pool.py": {"mkstemp", "os.open"},  # a worker's log, appended to by its watchdog
     "vpf_sim/cli/streams.py": {"os.open"},  # the null device
     "vpf_sim/evaluation/parquet.py": {"write_parquet"},
+    "vpf_sim/datasets/lerobot.py": {"write_table", "to_parquet"},
     "vpf_sim/reporting/paper_figures.py": {"savefig"},  # into memory
     "vpf_sim/reporting/video.py": {"open"},
     "vpf_sim/reporting/rerun_log.py": {"save"},

@@ -20,6 +20,7 @@ from gymnasium.envs.registration import register
 
 if TYPE_CHECKING:
     from vpf_sim.api.drive import Episode, drive
+    from vpf_sim.api.export import export
     from vpf_sim.api.report import report
     from vpf_sim.api.run import Run
     from vpf_sim.api.sweep import sweep
@@ -42,6 +43,7 @@ __all__ = [
     "Run",
     "__version__",
     "drive",
+    "export",
     "report",
     "sweep",
 ]
@@ -57,6 +59,7 @@ _MODULES = {
     "Rig": "envs.camera.rig",
     "Run": "api.run",
     "drive": "api.drive",
+    "export": "api.export",
     "report": "api.report",
     "sweep": "api.sweep",
 }

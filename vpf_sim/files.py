@@ -3,11 +3,14 @@
 import errno
 import os
 import re
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from hashlib import sha256
 from pathlib import Path
 from unicodedata import normalize
+
+from vpf_sim.errors import InputError
 
 DRAFT = ".draft"  # suffix of an unfinished file
 MOST_BYTES = 64  # of a name, without its hash
@@ -79,6 +82,26 @@ def replacing(path: Path) -> Iterator[Path]:
         draft.discard()
         raise
     draft.commit()
+
+
+@contextmanager
+def new_folder(path: Path) -> Iterator[Path]:
+    """A folder that becomes `path` at the end of the context, and is removed on any exception.
+
+    InputError where `path` exists, or its draft does, which another process writes or a killed one left.
+    """
+    draft = path.with_name(f"{path.name}{DRAFT}")
+    for taken in (path, draft):
+        if taken.exists() or taken.is_symlink():
+            what = "another process writes it, or was killed; remove it" if taken == draft else "got one that exists"
+            raise InputError(f"{taken}: expected the name of a new folder: {what}")
+    draft.mkdir()
+    try:
+        yield draft
+    except BaseException:
+        shutil.rmtree(draft, ignore_errors=True)
+        raise
+    draft.rename(path)
 
 
 def write_bytes(path: Path, content: bytes) -> None:

@@ -15,6 +15,7 @@ from vpf_sim.cli import (
     doctor,
     drive,
     drivers,
+    export,
     gallery,
     perception,
     profile,
@@ -46,6 +47,7 @@ SIMULATING = (
     "gallery",
     "doctor",
     "video",
+    "export",
     "report",
     "perception",
 )
@@ -88,6 +90,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     results_page.results,
     reproduce.reproduce,
     video.video,
+    export.export,
     check.check,
     perception.perception,
     profile.profile,

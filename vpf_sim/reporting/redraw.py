@@ -7,7 +7,6 @@ identical to the run; the hash of the frames verifies it.
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass, field
-from hashlib import sha256
 from math import isfinite
 from typing import Any
 
@@ -18,7 +17,7 @@ from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.rectangles import solid_objects
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.episode.episode import read, setup_for
-from vpf_sim.evaluation.episode.pose_playback import TOLERANCE, PosePlayback, rate_of
+from vpf_sim.evaluation.episode.pose_playback import PosePlayback, rate_of
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.reporting.stored_run import Record, StoredRun
 from vpf_sim.reporting.top_view import Rectangle, Scene
@@ -58,34 +57,19 @@ class Redrawing:
 
     def moments(self) -> Iterator[Moment]:
         """Yield every frame in order, with the driver's plan if `replan` is set and it has one."""
-        digest = sha256()
+        replanner: _Replanner | None = None
         with closing(self._world()) as world:
-            observed, _ = world.reset(seed=self.record["seed"])
-            replanner = (
-                _Replanner(self.record["driver"], world, self.table, self.record["seed"]) if self.replan else None
-            )
-            for index in range(len(self.table) + 1):
-                observation = read(observed)
+            for frame in world.play(self.record["seed"]):
+                if self.replan and replanner is None:
+                    replanner = _Replanner(self.record["driver"], world, self.table, self.record["seed"])
+                observation = read(frame.observed)
                 objects = tuple(rectangle_of(obj) for obj in solid_objects(world.ego))
-                if self.table.looked[index]:
-                    digest.update(np.ascontiguousarray(observation.image).data)
-                plan = replanner.plan(index, observation) if replanner else None
-                yield Moment(index, observation.image, plan, objects)
-                if index < len(self.table):
-                    observed = world.step(np.array([self.table.throttle[index], self.table.steering[index]]))[0]
-        same = self.record.get("frames_sha256") in (None, digest.hexdigest())  # None: its driver used no frames
-        self._remark(same, world.largest_correction_m, replanner)
+                plan = replanner.plan(frame.index, observation) if replanner else None
+                yield Moment(frame.index, observation.image, plan, objects)
+        self.remarks += world.deviations(self.record) + (replanner.remarks if replanner else [])
 
     def _world(self) -> PosePlayback:
         return PosePlayback(self.record["scenario"], self.record["weather"], self.table)
-
-    def _remark(self, same: bool, moved_m: float, replanner: "_Replanner | None") -> None:
-        if not same:
-            self.remarks.append("the frames differ from the run's: another version of the code, or another machine")
-        if moved_m > TOLERANCE:
-            self.remarks.append(f"the car would now deviate by up to {moved_m:.2f} m; its stored poses are drawn")
-        if replanner is not None:
-            self.remarks += replanner.remarks
 
 
 class _Replanner:

@@ -1,13 +1,11 @@
 """The results of several runs as one Markdown page: scores by cell, and what each run drove."""
 
 import shlex
-import subprocess
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-import vpf_sim
 from vpf_sim import drivers
-from vpf_sim.evaluation.sweeps.fingerprint import source
+from vpf_sim.evaluation.sweeps.fingerprint import commit_of
 from vpf_sim.evaluation.sweeps.plan import Plan, parse_seeds
 from vpf_sim.reporting.cells import MAIN, NONE, Column, Row, cell, driver_row, shown
 from vpf_sim.reporting.run_data import RunData
@@ -85,7 +83,7 @@ def _runs(subjects: Sequence[RunData]) -> Iterator[str]:
         sources = str(made.get("source", NONE))
         driven = f"{len(subject.records)} of {len(subject.jobs)}"
         used = [_seeds(subject.plan), _purpose(subject.plan), driven]
-        yield _line([*used, str(made.get("vpf_sim", NONE)), sources[:12], _commit(sources)])
+        yield _line([*used, str(made.get("vpf_sim", NONE)), sources[:12], commit_of(sources) or NONE])
     commands = dict.fromkeys(_commands(subjects))
     yield from ("", "```sh", *commands, "```") if commands else ()
 
@@ -114,17 +112,6 @@ def _purpose(plan: Plan) -> str:
     """What a block of seeds is for, by the project's rule."""
     first = min(drive[2] for drive in plan.drives) if plan.drives else parse_seeds(plan.seeds).start
     return "development" if first < DEVELOPMENT_SEEDS_BELOW else "evaluation"
-
-
-def _commit(sources: str) -> str:
-    """The commit of this checkout, if the run was driven by the same sources; else a dash."""
-    if sources != source():
-        return NONE
-    asked = ["git", "-C", str(Path(vpf_sim.__file__).parent), "rev-parse", "--short", "HEAD"]
-    try:
-        return subprocess.run(asked, capture_output=True, text=True, check=True).stdout.strip()
-    except (OSError, subprocess.CalledProcessError):
-        return NONE
 
 
 def _head(header: Sequence[str], names: int) -> Iterator[str]:

@@ -59,8 +59,13 @@ class Writer:
     an index at the front (faststart). The format has even sides only, so an odd last row or column is dropped.
     """
 
-    def __init__(self, path: Path | str, size: tuple[int, int], rate_hz: float, crf: int = 20) -> None:
-        """`size` is (width, height) px; `crf` is x264's quality: a higher value gives a smaller, worse video."""
+    def __init__(
+        self, path: Path | str, size: tuple[int, int], rate_hz: float, crf: int = 20, gop: int | None = None
+    ) -> None:
+        """`size` is (width, height) px; `crf` is x264's quality: a higher value gives a smaller, worse video.
+
+        `gop` is the number of frames from one key frame to the next, few for random access; None is x264's.
+        """
         require(f"video '{path}'")
         self.path = Path(path)
         if self.path.suffix.lower() != ".mp4":
@@ -72,7 +77,8 @@ class Writer:
         except OSError as error:
             raise InputError(f"video '{path}': expected a file that can be written, got: {error.strerror}") from None
         rate = Fraction(rate_hz).limit_denominator(1001)
-        self._stream = self._container.add_stream("libx264", rate=rate, options={"crf": str(crf), "preset": "veryfast"})
+        options = {"crf": str(crf), "preset": "veryfast", **({} if gop is None else {"g": str(gop), "bf": "0"})}
+        self._stream = self._container.add_stream("libx264", rate=rate, options=options)
         self._stream.width, self._stream.height = self._width, self._height
         self._stream.pix_fmt = "yuv420p"
         self._stream.codec_context.thread_count = 1

@@ -1,6 +1,9 @@
 """Playback of a stored episode: the environment with the car at the stored poses."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from hashlib import sha256
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +14,16 @@ from vpf_sim.types import Floats
 
 RATES_HZ = (60.0, 20.0)
 TOLERANCE = 1e-9  # m, rad, m/s: smaller deviations are not corrected
+
+
+@dataclass(frozen=True, slots=True)
+class Played:
+    """One frame of a playback: what `reset` or `step` returned."""
+
+    index: int  # the row of the step table
+    observed: dict[str, Any]
+    reward: float  # of the step before; 0 at the reset
+    info: dict[str, Any]
 
 
 class PosePlayback(FourLane):
@@ -24,6 +37,35 @@ class PosePlayback(FourLane):
         super().__init__(scenario, weather, rate_hz=rate_of(table), truth=truth)
         self._table, self._row = table, 0
         self.largest_correction_m = 0.0
+        self._frames_sha256 = ""
+
+    def play(self, seed: int) -> Iterator[Played]:
+        """Yield every frame of the episode in order, drawn with the stored commands and poses."""
+        digest = sha256()
+        observed, info = self.reset(seed=seed)
+        reward = 0.0
+        for index in range(len(self._table) + 1):
+            if self._table.looked[index]:
+                digest.update(np.ascontiguousarray(observed["image"]).data)
+            yield Played(index, observed, reward, info)
+            if index < len(self._table):
+                command = np.array([self._table.throttle[index], self._table.steering[index]])
+                observed, reward, _, _, info = self.step(command)
+        self._frames_sha256 = digest.hexdigest()
+
+    def has_frames_of(self, record: Mapping[str, Any]) -> bool:
+        """Whether `play` drew the frames that the run's driver saw; True if it used none."""
+        return record.get("frames_sha256") in (None, self._frames_sha256)
+
+    def deviations(self, record: Mapping[str, Any]) -> list[str]:
+        """How the episode that `play` drew differs from its record."""
+        remarks = []
+        if not self.has_frames_of(record):
+            remarks.append("the frames differ from the run's: another version of the code, or another machine")
+        if self.largest_correction_m > TOLERANCE:
+            moved_m = self.largest_correction_m
+            remarks.append(f"the car would now deviate by up to {moved_m:.2f} m; its stored poses are drawn")
+        return remarks
 
     def advance(self, command: Floats) -> None:
         super().advance(command)

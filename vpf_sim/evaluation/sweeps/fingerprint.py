@@ -2,6 +2,7 @@
 
 import json
 import platform
+import subprocess
 from functools import cache
 from hashlib import sha256
 from importlib.util import find_spec
@@ -40,6 +41,17 @@ def fingerprint() -> dict[str, str]:
 def source() -> str:
     """SHA-256 over the files of the installed package; any edit changes it."""
     return hash_of_files({package.replace(".", "/"): _folder(package) for package in PACKAGES})
+
+
+def commit_of(sources: str) -> str | None:
+    """The commit of this checkout, if these are its sources."""
+    if sources != source():
+        return None
+    asked = ["git", "-C", str(_folder("vpf_sim")), "rev-parse", "--short", "HEAD"]
+    try:
+        return subprocess.run(asked, capture_output=True, text=True, check=True).stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
+        return None
 
 
 def own_code(driver: str) -> str | None:
