@@ -109,5 +109,5 @@ def file_of(model: Path) -> Path:
 def load(model: Path) -> Manifest:
     """The manifest beside a model; InputError with a line for each fault."""
     path = file_of(model)
-    table = configuration.read_file(path, "manifest of a policy")
+    table = configuration.read_file(path, "policy manifest")
     return configuration.build(Manifest, table, str(path))

@@ -1,6 +1,6 @@
 """A model in onnxruntime, checked against its manifest."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +20,9 @@ class Session:
     def __init__(self, model: Path, manifest: Manifest) -> None:
         self._output = manifest.output
         self._session = _opened(model)
-        faults = [*_faults(self._session, manifest)]
+        faults = [*_faults(self._session, manifest, model)]
         if faults:
-            raise InputError("\n".join(f"{file_of(model)}: {fault} in {model.name}" for fault in faults))
+            raise InputError("\n".join(faults))
 
     def action(self, inputs: dict[str, Singles]) -> Floats:
         """(2,) throttle and steering."""
@@ -50,39 +50,42 @@ def _opened(model: Path) -> Any:
         raise InputError(f"{model}: expected an ONNX model in one file, got: {reason}") from None
 
 
-def _faults(session: Any, manifest: Manifest) -> Iterator[str]:
-    """What of a model is not as its manifest says: key, expected, actual."""
-    expected = {f"{key}.input": given for key in ("image", "state") if (given := getattr(manifest, key)) is not None}
-    actual = {one.name: one for one in session.get_inputs()}
-    for key, given in expected.items():
-        if given.input not in actual:
-            yield f"{key}: expected an input of the model, {_named(actual)}, got '{given.input}'"
-        else:
-            yield from _tensor_faults(key.removesuffix(".input"), actual[given.input], given.shape)
-    unused = sorted(actual.keys() - {given.input for given in expected.values()})
-    if unused and len(actual) > len(expected):
-        yield f"inputs: expected {len(expected)}, got more: {_named(unused)}"
+def _faults(session: Any, manifest: Manifest, model: Path) -> Iterator[str]:
+    """Each place where model and manifest differ: file, key, expected, actual."""
+    toml, ours = file_of(model), {key: given for key in ("image", "state") if (given := getattr(manifest, key))}
+    inputs = {one.name: one for one in session.get_inputs()}
+    for key, given in ours.items():
+        if given.input not in inputs:
+            yield f"{toml}: {key}.input: expected an input of {model.name}, {_named(inputs)}, got '{given.input}'"
+            continue
+        tensor = inputs[given.input]
+        if tensor.type != FLOAT:
+            yield f"{model}: input '{tensor.name}': expected {FLOAT}, got {tensor.type}"
+        if not _fits(tensor.shape, given.shape):
+            has = f"the shape of '{tensor.name}' in {model.name}, {_shape(tensor.shape)}"
+            yield f"{toml}: {key}: expected {has}, got {_shape(given.shape)}"
+    unused = inputs.keys() - {given.input for given in ours.values()}
+    if len(inputs) > len(ours):
+        yield f"{toml}: expected [image] or [state] for each input of {model.name}, got none for {_named(unused)}"
     outputs = {one.name: one for one in session.get_outputs()}
     if manifest.output not in outputs:
-        yield f"output: expected an output of the model, {_named(outputs)}, got '{manifest.output}'"
-    else:
-        yield from _tensor_faults("output", outputs[manifest.output], ACTION)
+        yield f"{toml}: output: expected an output of {model.name}, {_named(outputs)}, got '{manifest.output}'"
+        return
+    action = outputs[manifest.output]
+    if action.type != FLOAT or not _fits(action.shape, ACTION):
+        wanted = f"{FLOAT} of shape {_shape(ACTION)}, throttle and steering"
+        yield f"{model}: output '{action.name}': expected {wanted}, got {action.type} of {_shape(action.shape)}"
 
 
-def _tensor_faults(key: str, tensor: Any, shape: tuple[int, ...]) -> Iterator[str]:
-    """Type and shape; a dimension that the model leaves open fits any."""
-    if tensor.type != FLOAT:
-        yield f"{key}: expected '{tensor.name}' as {FLOAT}, got {tensor.type}"
-    fits = len(tensor.shape) == len(shape) and all(
-        not isinstance(have, int) or have == want for have, want in zip(tensor.shape, shape, strict=True)
-    )
-    if not fits:
-        yield f"{key}: expected '{tensor.name}' of shape {_shape(shape)}, got {_shape(tensor.shape)}"
+def _fits(actual: Sequence[Any], expected: Sequence[int]) -> bool:
+    """Whether shapes agree; a dimension that the model leaves open fits any."""
+    pairs = zip(actual, expected, strict=False)
+    return len(actual) == len(expected) and all(not isinstance(has, int) or has == want for has, want in pairs)
 
 
 def _shape(shape: Sequence[Any]) -> str:
     return f"({', '.join(str(size) for size in shape)})"
 
 
-def _named(names: Any) -> str:
-    return " or ".join(f"'{name}'" for name in names)
+def _named(names: Iterable[str]) -> str:
+    return " or ".join(f"'{name}'" for name in sorted(names))
