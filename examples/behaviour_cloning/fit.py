@@ -10,7 +10,7 @@ from torch import Tensor
 from behaviour_cloning.collect import Drive
 from behaviour_cloning.network import Network
 from vpf_sim.seeding import stream
-from vpf_sim.types import Singles
+from vpf_sim.types import Bools, Integers, Singles
 
 BATCH = 128
 LEARNING_RATE, WEIGHT_DECAY = 2e-3, 1e-4
@@ -33,19 +33,27 @@ class Decisions:
     def __len__(self) -> int:
         return len(self._labels)
 
+    def stacked(self, rows: Integers) -> Singles:
+        """(B, channels, H, W) the pictures of some decisions, in 0..1; before a drive's first frame, that frame."""
+        pictures = self._pictures[self._frames[rows]].astype(np.float32)
+        pictures /= 255.0
+        return pictures.reshape(len(rows), -1, *pictures.shape[-2:])
+
     def batches(self, rng: np.random.Generator) -> Iterator[Batch]:
         """Every decision once, in random order, half of them mirrored, with disturbed pictures."""
         order, disturbances = rng.permutation(len(self)), Disturbances(rng)
         for first in range(0, len(order) - BATCH // 2, BATCH):
             rows = order[first : first + BATCH]
-            pictures = self._pictures[self._frames[rows]][:, :, 0].astype(np.float32)
-            pictures /= 255.0
-            labels = self._labels[rows].copy()
-            mirrored = rng.random(len(rows)) < 0.5
-            pictures[mirrored] = pictures[mirrored, ..., ::-1]
-            labels[mirrored, 1] *= -1.0
+            pictures, labels = self.stacked(rows), self._labels[rows].copy()
+            mirror(pictures, labels, rng.random(len(rows)) < 0.5)
             disturbances.apply(pictures)
             yield torch.from_numpy(pictures), torch.from_numpy(self._states[rows]), torch.from_numpy(labels)
+
+
+def mirror(pictures: Singles, labels: Singles, which: Bools) -> None:
+    """Swap left and right of some decisions, in place."""
+    pictures[which] = pictures[which, ..., ::-1]
+    labels[which, 1] *= -1.0
 
 
 class Disturbances:
