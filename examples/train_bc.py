@@ -23,7 +23,7 @@ from behaviour_cloning.network import Network
 
 from vpf_sim.drivers.learned.manifest import Crop, Manifest, PictureInput, StateInput, Training
 
-LEARNER_SHARES = (0.0, 0.5, 0.8, 0.9, 1.0)  # of the turns at the wheel, by round; the last share holds for later rounds
+LEARNER_SHARES = (0.0, 0.5, 0.8, 1.0)  # of the turns at the wheel, by round; the last share holds for later rounds
 FIRST_ROUND, LAST_EPOCHS = 2, 3  # times as many drives in the first round, and epochs in the last
 MANIFEST = Manifest(
     schema=1,
@@ -94,9 +94,9 @@ def minutes(began_s: float) -> float:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("out", type=Path, metavar="FOLDER")
-    parser.add_argument("--rounds", type=int, default=5, help="of collecting and fitting")
+    parser.add_argument("--rounds", type=int, default=6, help="of collecting and fitting")
     parser.add_argument("--drives", type=int, default=60, help="of a round; the first has twice as many")
-    parser.add_argument("--decisions", type=int, default=250, help="longest drive, at 20 a second")
+    parser.add_argument("--decisions", type=int, default=300, help="longest drive, at 20 a second")
     parser.add_argument("--epochs", type=int, default=2, help="of a round; the last has three times as many")
     parser.add_argument("--seed", type=int, default=0, help="first of the drives' seeds")
     parser.add_argument("--workers", type=int, default=2, help="processes that drive")

@@ -21,7 +21,7 @@ from vpf_sim.evaluation.processes.threads import limit_opencv, limited_environme
 from vpf_sim.seeding import stream
 from vpf_sim.types import Command, Image, Singles
 
-TURN = (15, 60)  # decisions, before the wheel may pass to the other
+TURN = (20, 120)  # decisions, before the wheel may pass to the other
 PUSH_SHARE, PUSH, PUSH_LENGTH = 0.03, 0.15, (6, 14)  # disturbances: how often one begins, steering, decisions
 STANDING_MPS, MOST_STANDING = 0.1, 30  # decisions at a standstill: a longer one teaches no more
 LANE_M = 1.75  # off the lane's centre: in another lane, where on an empty road the learner shall stay

@@ -15,6 +15,7 @@ from vpf_sim.types import Bools, Integers, Singles
 BATCH = 128
 LEARNING_RATE, WEIGHT_DECAY = 2e-3, 1e-4
 THROTTLE_SCALE, STEERING_SCALE = 0.3, 0.05  # errors that count alike
+BRAKING_WEIGHT = 4.0  # by which a decision to brake fully counts more
 NOISE_VALUES, MOST_SMEAR_PX = 2_000_000, 12
 Batch = tuple[Tensor, Tensor, Tensor]
 
@@ -111,6 +112,8 @@ def fit(network: Network, decisions: Decisions, epochs: int, seed: int) -> Itera
 
 
 def loss_of(commands: Tensor, labels: Tensor) -> Tensor:
-    """Huber's loss of throttle and steering, each by its scale."""
+    """Huber's loss of throttle and steering, each by its scale; braking is rare, so it counts more."""
     scales = torch.tensor([THROTTLE_SCALE, STEERING_SCALE])
-    return torch.nn.functional.smooth_l1_loss(commands / scales, labels / scales)
+    losses = torch.nn.functional.smooth_l1_loss(commands / scales, labels / scales, reduction="none")
+    weights = 1.0 + BRAKING_WEIGHT * labels[:, :1].clamp(-1.0, 0.0).abs()
+    return (weights * losses).mean()

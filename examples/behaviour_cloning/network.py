@@ -5,8 +5,8 @@ from itertools import pairwise
 import torch
 from torch import Tensor, nn
 
-WIDTHS = (12, 24, 40, 56)  # channels of the convolutions, each of which halves the picture
-HIDDEN = 96
+WIDTHS = (12, 24, 48, 64)  # channels of the convolutions, each of which halves the picture
+HIDDEN = 128
 SPEED_MPS, SPEED_SCALE_MPS = 5.5, 60.0  # a usual speed, and the one that counts as 1 in the state
 
 

@@ -16,7 +16,7 @@ ROADS = {  # without obstacles: its share of the drives, and how far into it (m)
     "straight": (0.5, 100.0),
     "random": (3.0, 0.0),
 }
-OBSTACLES = {"rows": (2.5, 0.0), "random": (2.0, 0.0), "town04": (1.0, 100.0), "traffic": (1.0, 0.0)}
+OBSTACLES = {"rows": (5.0, 0.0), "random": (3.0, 0.0), "town04": (3.0, 10.0), "traffic": (1.5, 0.0)}
 USUAL_WEATHERS, USUAL_SHARE = ("clear", "rain"), 0.6  # of the drives; the others have any preset
 SURFACES = ("asphalt", "asphalt", "concrete", "dark")
 VERGES = ("grass", "grass", "sand", "paved")
@@ -51,6 +51,8 @@ def _text(name: str, has_obstacles: bool, rng: np.random.Generator) -> str:
         lines += ["radius_m = [50.0, 400.0]"]
     lines += ["[vary]", '"ego.lateral_m" = [-0.7, 0.7]', '"ego.heading_deg" = [-8.0, 8.0]']
     lines += ['"ego.speed_mps" = [-4.0, 1.5]', f'"ego.s_m" = [0.0, {farthest_m}]']
+    if name == "town04":  # parked cars anywhere, so that a short drive meets one
+        lines += ['"bodies.s_m" = [-8.0, 60.0]', '"bodies.lateral_m" = [-1.0, 1.0]']
     return "\n".join(lines)
 
 
