@@ -15,12 +15,12 @@ from pathlib import Path
 from time import perf_counter
 
 import torch
+
 from behaviour_cloning import scenes
 from behaviour_cloning.collect import Drive, collect
 from behaviour_cloning.export import export
 from behaviour_cloning.fit import Decisions, fit
 from behaviour_cloning.network import Network
-
 from vpf_sim.drivers.learned.manifest import Crop, Manifest, PictureInput, StateInput, Training
 
 LEARNER_SHARES = (0.0, 0.5, 0.8, 1.0)  # of the turns at the wheel, by round; the last share holds for later rounds

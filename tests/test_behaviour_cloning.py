@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import policies
 import pytest
+
+import vpf_sim
 from behaviour_cloning import scenes
 from behaviour_cloning.collect import LANE_M, Drive, collect, drive
 from behaviour_cloning.expert import Expert
-
-import vpf_sim
 from vpf_sim import drivers
 from vpf_sim.drivers.learned.manifest import Crop, Manifest, PictureInput, StateInput
 from vpf_sim.envs.four_lane import FourLane

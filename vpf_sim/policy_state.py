@@ -17,4 +17,5 @@ def policy_state(
     """(6,) the values of `STATE`: of a pose (x m, y m, yaw rad), and of the last action, (2,) throttle and steering."""
     goal = vehicle_from_world(np.asarray(goal_m), pose) / GOAL_SCALE_M
     values = [speed_mps / SPEED_SCALE_MPS, yaw_rate_radps / YAW_RATE_SCALE_RADPS, *goal, *action]
-    return np.clip(values, -1.0, 1.0).astype(np.float32)
+    state: Singles = np.clip(values, -1.0, 1.0).astype(np.float32)
+    return state
