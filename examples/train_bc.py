@@ -35,7 +35,7 @@ MANIFEST = Manifest(
 
 
 def main(options: argparse.Namespace) -> None:
-    began_s = perf_counter()
+    began_s, made_from = perf_counter(), commit()
     torch.set_num_threads(1)  # another thread makes the batches
     torch.manual_seed(options.seed)
     assert MANIFEST.image is not None
@@ -48,7 +48,7 @@ def main(options: argparse.Namespace) -> None:
         epochs = options.epochs * (LAST_EPOCHS if number == options.rounds - 1 else 1)
         for loss in fit(network, Decisions(drives, MANIFEST.image.frames_ago), epochs, options.seed + number):
             print(f"round {number}: loss {loss:.4f}, {minutes(began_s):.1f} min", flush=True)
-        export(network, recorded(options, drives, minutes(began_s) / 60.0), model)
+        export(network, recorded(options, drives, made_from, minutes(began_s) / 60.0), model)
     print(f"written: {model}")
 
 
@@ -62,13 +62,13 @@ def gathered(options: argparse.Namespace, number: int, share: float, model: Path
     return found
 
 
-def recorded(options: argparse.Namespace, drives: list[Drive], wall_h: float) -> Manifest:
+def recorded(options: argparse.Namespace, drives: list[Drive], made_from: str, wall_h: float) -> Manifest:
     """The manifest with the record of the training."""
     frames = sum(map(len, drives))
     training = Training(
         command=f"python examples/train_bc.py FOLDER --rounds {options.rounds} --drives {options.drives} "
         f"--decisions {options.decisions} --epochs {options.epochs} --seed {options.seed}",
-        commit=commit(),
+        commit=made_from,
         expert="idm beside obstacles, else pure-pursuit with idm's throttle",
         scenarios=tuple(dict.fromkeys((*scenes.ROADS, *scenes.OBSTACLES))),
         weathers=(*scenes.USUAL_WEATHERS, "all others"),

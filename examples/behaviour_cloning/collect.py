@@ -1,5 +1,6 @@
 """Training drives: expert and learner take turns at the wheel, the expert labels every decision."""
 
+import gc
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass
@@ -8,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from behaviour_cloning import scenes
 from behaviour_cloning.expert import Expert
@@ -19,7 +19,7 @@ from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.evaluation.processes.threads import limit_opencv, limited_environment
 from vpf_sim.seeding import stream
-from vpf_sim.types import Command, Image, Singles
+from vpf_sim.types import Command, Driver, Image, Observation, Singles
 
 TURN = (20, 120)  # decisions, before the wheel may pass to the other
 PUSH_SHARE, PUSH, PUSH_LENGTH = 0.03, 0.15, (6, 14)  # disturbances: how often one begins, steering, decisions
@@ -57,20 +57,20 @@ def collect(
 
 def drive(task: Task) -> Drive:
     """The drive of a task; all that is random follows from its seed."""
+    gc.collect()  # the objects of the last environment reference each other
     seed, learner_share, model, manifest, decisions = task
     scene, rng = scenes.draw(seed), stream(seed, "training drive")
-    expert, learner = Expert(scene.has_obstacles), None if model is None else OnnxDriver(model)
+    asked: list[Driver] = [Expert(scene.has_obstacles), *([] if model is None else [OnnxDriver(model)])]
     with closing(FourLane(scene.scenario, scene.weather)) as env:
         observed, info = env.reset(seed=seed)
-        for driver in (expert, learner):
-            if driver is not None:
-                driver.reset(setup_for(driver, env, seed))
-        wheel = _Wheel(learner_share if learner else 0.0, rng)
-        log, repeat, standing = _Log(manifest), round(env.rate_hz / manifest.rate_hz), 0
+        for driver in asked:
+            driver.reset(setup_for(driver, env, seed))
+        wheel, log = _Wheel(learner_share, rng), _Log(manifest)
+        repeat, standing = round(env.rate_hz / manifest.rate_hz), 0
         while len(log) < decisions and standing < MOST_STANDING and _stays(info, scene):
             observation = read(observed)
-            label = expert.act(observation)
-            command = wheel.next(label, learner.act(observation) if learner else label)
+            commands = [driver.act(observation) for driver in asked]
+            label, command = commands[0], wheel.next(commands[0], commands[-1])
             log.add(observation, label, command)
             standing = standing + 1 if observation.speed_mps < STANDING_MPS else 0
             for tick in range(1, repeat + 1):
@@ -79,9 +79,8 @@ def drive(task: Task) -> Drive:
                 if terminated or truncated:
                     return log.drive(info["status"])
                 if tick < repeat:  # they keep their own time
-                    for driver in (expert, learner):
-                        if driver is not None:
-                            driver.act(read(observed))
+                    for driver in asked:
+                        driver.act(read(observed))
     return log.drive(info["status"])
 
 
@@ -125,7 +124,7 @@ class _Log:
     def __len__(self) -> int:
         return len(self._rows)
 
-    def add(self, observation: Any, label: Command, command: Command) -> None:
+    def add(self, observation: Observation, label: Command, command: Command) -> None:
         """A decision: what the policy gets, what the expert would do, and what is done."""
         state = state_vector(observation, self._action, self._state)[0]
         self._rows.append((shrink(observation.image, self._image), state, [label.throttle, label.steering]))
@@ -134,5 +133,4 @@ class _Log:
     def drive(self, status: str) -> Drive:
         """The drive with all its decisions."""
         pictures, states, labels = ([*column] for column in zip(*self._rows, strict=True))
-        made: tuple[NDArray[Any], ...] = (np.array(pictures), np.array(states), np.array(labels, np.float32))
-        return Drive(*made, status)
+        return Drive(np.array(pictures), np.array(states), np.array(labels, np.float32), status)

@@ -5,13 +5,13 @@ from pathlib import Path
 from typing import Any
 
 import torch
+from torch import nn
 
-from behaviour_cloning.network import Network
 from vpf_sim.drivers.learned.manifest import Manifest, file_of
 from vpf_sim.files import write_text
 
 
-def export(network: Network, manifest: Manifest, model: Path) -> None:
+def export(network: nn.Module, manifest: Manifest, model: Path) -> None:
     """Write `model` and the manifest beside it."""
     assert manifest.image is not None
     assert manifest.state is not None

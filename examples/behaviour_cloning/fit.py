@@ -36,7 +36,7 @@ class Decisions:
 
     def stacked(self, rows: Integers) -> Singles:
         """(B, channels, H, W) the pictures of some decisions, in 0..1; before a drive's first frame, that frame."""
-        pictures = self._pictures[self._frames[rows]].astype(np.float32)
+        pictures: Singles = self._pictures[self._frames[rows]].astype(np.float32)
         pictures /= 255.0
         return pictures.reshape(len(rows), -1, *pictures.shape[-2:])
 
@@ -52,7 +52,7 @@ class Decisions:
 
 
 def mirror(pictures: Singles, labels: Singles, which: Bools) -> None:
-    """Swap left and right of some decisions, in place."""
+    """Swap left and right of some decisions, in place; the speed, which is all of the state, stays."""
     pictures[which] = pictures[which, ..., ::-1]
     labels[which, 1] *= -1.0
 
@@ -104,7 +104,7 @@ def fit(network: Network, decisions: Decisions, epochs: int, seed: int) -> Itera
             optimiser.zero_grad()
             pictures = pictures.to(memory_format=torch.channels_last)  # twice as fast
             loss = loss_of(network(pictures, states), labels)
-            loss.backward()
+            loss.backward()  # type: ignore[no-untyped-call]
             optimiser.step()
             schedule.step()
             losses.append(loss.item())

@@ -33,4 +33,5 @@ class Network(nn.Module):
         spread = (image - level).square().mean(dim=(1, 2, 3), keepdim=True).sqrt()
         features = self.picture(self.convolutions((image - level) / (spread + 0.02)))
         faster = state * SPEED_SCALE_MPS - SPEED_MPS
-        return self.command(torch.cat([features, faster], dim=1))
+        command: Tensor = self.command(torch.cat([features, faster], dim=1))
+        return command

@@ -1,5 +1,6 @@
 """Learned drivers: a policy's answers are the commands, at its rate and of its frames; what does not fit is refused."""
 
+import re
 import sys
 from pathlib import Path
 
@@ -11,10 +12,10 @@ from policies import MANIFEST
 from short_scenario import write_short
 
 import vpf_sim
-from vpf_sim import cli, drivers
+from vpf_sim import cli, configuration, drivers
 from vpf_sim.drivers.learned.driver import OnnxDriver
 from vpf_sim.drivers.learned.inputs import shrink
-from vpf_sim.drivers.learned.manifest import Crop, PictureInput
+from vpf_sim.drivers.learned.manifest import Crop, Manifest, PictureInput
 from vpf_sim.envs.ego import MAX_SPEED_MPS, YAW_RATE_LIMIT_RADPS
 from vpf_sim.envs.learning import FourLanePixels
 from vpf_sim.policy_state import SPEED_SCALE_MPS, STATE, YAW_RATE_SCALE_RADPS, policy_state
@@ -240,3 +241,11 @@ def assert_refused(path: Path, message: str, capsys: pytest.CaptureFixture[str])
     assert cli.run(["drive", "straight", "--driver", f"onnx:{path}"]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert line.removeprefix("vpf-sim: ").startswith(message), line
+
+
+def test_the_manifest_of_the_page_is_one() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "learning.md").read_text("utf-8")
+    (toml,) = re.findall(r"^```toml\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    manifest = configuration.build(Manifest, configuration.parse(toml, "page"), "page")
+    assert manifest.image is not None
+    assert manifest.image.shape == (1, 3, 64, 160)
