@@ -15,17 +15,14 @@ from numpy.typing import NDArray
 from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.camera import weather as presets
 from vpf_sim.envs.camera.weather import Weather
-from vpf_sim.envs.ego import MAX_SPEED_MPS, YAW_RATE_LIMIT_RADPS
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.errors import InputError
-from vpf_sim.geometry import vehicle_from_world
+from vpf_sim.policy_state import STATE, policy_state
 from vpf_sim.scenarios import RandomScenario, Scenario
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
-GOAL_SCALE_M = 100.0  # the distance to the goal at which its normalised coordinates are cut off
 MOST_REPEATS = 60
-STATE = ("speed", "yaw_rate", "goal_forward", "goal_right", "throttle", "steering")
 
 PixelObservation = NDArray[np.uint8] | dict[str, NDArray[Any]]
 
@@ -146,14 +143,8 @@ class FourLanePixels(gymnasium.Env[PixelObservation, Any]):
         if not self._with_state:
             return image
         pose, (speed_mps, yaw_rate_radps) = observed["ego"][:3], observed["ego"][3:].tolist()
-        goal_m = vehicle_from_world(observed["goal"], pose)
-        values = [
-            speed_mps / MAX_SPEED_MPS,
-            yaw_rate_radps / YAW_RATE_LIMIT_RADPS,
-            *goal_m / GOAL_SCALE_M,
-            *self._action,
-        ]
-        return {"image": image, "state": np.clip(values, -1.0, 1.0).astype(np.float32)}
+        state = policy_state(pose, speed_mps, yaw_rate_radps, observed["goal"], self._action)
+        return {"image": image, "state": state}
 
     def _small(self, image: Image) -> NDArray[np.uint8]:
         """(H, W, 1 or 3) the frame as observed."""

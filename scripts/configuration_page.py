@@ -8,6 +8,7 @@ from typing import Any
 
 from vpf_sim.configuration_fields import Setting, is_list, sections, settings_of
 from vpf_sim.controllers import gtsmc, idm, pid, pure_pursuit, stanley
+from vpf_sim.drivers.learned.manifest import Manifest
 from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.evaluation.gate.rules import Rules
 from vpf_sim.evaluation.sweeps.plan import Plan
@@ -55,6 +56,7 @@ FILES = (
     ("Weather", "A weather file starts from `base`, a preset or an alias, by default `ClearNoon`.", Weather),
     ("Sweep", "A `sweep.toml` has lists, or single `drives` in place of scenario, weather and seeds.", Plan),
     ("Rules of the gate", "[gate.md](gate.md) explains the rules.", Rules),
+    ("Learned policy", "`model.toml` beside `model.onnx`; [learning.md](learning.md) explains it.", Manifest),
     ("Recorded drive", "[recordings.md](recordings.md) explains `drive.toml`.", DriveFile),
 )
 Values = dict[str, Any]  # heading of a column -> the object that has the values

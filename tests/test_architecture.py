@@ -26,6 +26,7 @@ LEAVES = {
     "system",
     "process_state",
     "pipeline",
+    "policy_state",
     "timing",
 }
 MAY_IMPORT = {

@@ -87,7 +87,7 @@ def wheel(built: Path) -> Path:
     return next(built.glob("*.whl"))
 
 
-SOURCE_OF_PACKAGE = {"py", "toml", "jinja", "typed"}
+SOURCE_OF_PACKAGE = {"py", "toml", "jinja", "onnx", "typed"}
 
 
 def test_the_wheel_has_no_tests_and_no_pictures(wheel: Path) -> None:
@@ -134,7 +134,7 @@ def test_each_dependency_is_explained() -> None:
 
 def test_the_development_extra_installs_what_tests_of_other_extras_need() -> None:
     (own,) = [one for one in PROJECT["project"]["optional-dependencies"]["dev"] if one.startswith("vpf_sim[")]
-    assert Requirement(own).extras == {"cluster", "export", "readings", "video"}
+    assert Requirement(own).extras == {"cluster", "export", "onnx", "readings", "video"}
 
 
 def test_the_base_installation_leaves_the_heavy_libraries_out(wheel: Path) -> None:
@@ -143,14 +143,16 @@ def test_the_base_installation_leaves_the_heavy_libraries_out(wheel: Path) -> No
         asked = message_from_bytes(archive.read(name)).get_all("Requires-Dist") or []
     base = {Requirement(one).name for one in asked if "extra ==" not in one}
     assert "numpy" in base
-    assert not base & {"av", "dask", "h5py", "optuna", "pyarrow", "rerun-sdk"}
+    assert not base & {"av", "dask", "h5py", "onnxruntime", "optuna", "pyarrow", "rerun-sdk", "torch"}
 
 
 def test_the_wheel_has_one_top_level_name_and_all_data(wheel: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
     assert {name.split("/")[0] for name in names if ".dist-info" not in name} == {"vpf_sim"}
     for package, folder in MAPPED.items():
-        for path in (path for suffix in ("jinja", "toml", "py") for path in (ROOT / folder).rglob(f"*.{suffix}")):
+        for path in (
+            path for suffix in ("jinja", "onnx", "toml", "py") for path in (ROOT / folder).rglob(f"*.{suffix}")
+        ):
             inside = "/".join([*package.split("."), *path.relative_to(ROOT / folder).parts])
             assert inside in names
     assert "vpf_sim/py.typed" in names

@@ -32,6 +32,12 @@ def test_it_is_a_gymnasium_environment(kind: dict[str, Any]) -> None:
     check_env(env.unwrapped, skip_render_check=True)
 
 
+@pytest.mark.parametrize("kind", [{}, {"state": True}, {"grey": False, "image_size": (64, 48)}])
+def test_stable_baselines3_takes_it(kind: dict[str, Any]) -> None:
+    checker = pytest.importorskip("stable_baselines3.common.env_checker", reason="needs Stable-Baselines3")
+    checker.check_env(FourLanePixels(**kind))
+
+
 def test_wrappers_of_gymnasium_stack_its_frames() -> None:
     env = FrameStackObservation(gymnasium.make("vpf_sim/FourLanePixels-v0", image_size=(64, 48)), 4)
     stacked, _ = env.reset(seed=3)

@@ -9,7 +9,9 @@ from vpf_sim.cli.options import DRIVER, JsonOption, SameJsonOption, print_json, 
 from vpf_sim.cli.tables import print_table
 
 app = typer.Typer(help="List and show drivers; check your own.", no_args_is_help=True, rich_markup_mode=None)
-DriverArgument = Annotated[str, typer.Argument(help='Name of a driver, or "package.module:Class".', **DRIVER)]
+DriverArgument = Annotated[
+    str, typer.Argument(help='Name of a driver, "onnx:FILE", or "package.module:Class".', **DRIVER)
+]
 GETS = {
     "none": "its camera's frames, its own pose, speed and yaw rate, and the goal",
     "route": "the route as waypoints, its own pose, speed and yaw rate, and the goal; no obstacles",

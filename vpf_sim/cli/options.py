@@ -52,9 +52,12 @@ WeathersOption = Annotated[
     list[str] | None, typer.Option("--weather", help="Name or file; may be repeated.", **WEATHER)
 ]
 WeatherOption = Annotated[str, typer.Option("--weather", help="Name or file of a weather.", **WEATHER)]
-DriverOption = Annotated[str, typer.Option("--driver", help='Name of a driver, or "package.module:Class".', **DRIVER)]
+DriverOption = Annotated[
+    str, typer.Option("--driver", help='Name of a driver, "onnx:FILE", or "package.module:Class".', **DRIVER)
+]
 DriversOption = Annotated[
-    list[str] | None, typer.Option("--driver", help='Name, or "package.module:Class"; may be repeated.', **DRIVER)
+    list[str] | None,
+    typer.Option("--driver", help='Name, "onnx:FILE", or "package.module:Class"; may be repeated.', **DRIVER),
 ]
 FileArgument = Annotated[str, typer.Argument(metavar="FILE", help="A TOML file.")]
 RunArgument = Annotated[

@@ -7,11 +7,22 @@ from vpf_sim.drivers.idm import IdmDriver
 from vpf_sim.drivers.neutral import NeutralDriver
 from vpf_sim.drivers.own import DriverLike, OwnDriver, admit, is_importable, name_of
 from vpf_sim.drivers.protocol import command_of, needs_next_frame, perception_of, trace_of, uses_images
-from vpf_sim.drivers.registry import VARIANT_PREFIX, Description, create, describe, description, has_name, names
+from vpf_sim.drivers.registry import (
+    MODEL_PREFIX,
+    VARIANT_PREFIX,
+    Description,
+    create,
+    describe,
+    description,
+    has_name,
+    model_of,
+    names,
+)
 from vpf_sim.drivers.route_followers import RouteDriver
 from vpf_sim.drivers.vision_driver import VisionDriver
 
 __all__ = [
+    "MODEL_PREFIX",
     "VARIANT_PREFIX",
     "Description",
     "DriverLike",
@@ -27,6 +38,7 @@ __all__ = [
     "description",
     "has_name",
     "is_importable",
+    "model_of",
     "name_of",
     "names",
     "needs_next_frame",

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from inspect import getdoc
+from pathlib import Path
 
 from vpf_sim import process_state
 from vpf_sim.drivers import own
@@ -14,6 +15,8 @@ from vpf_sim.errors import unknown_name
 from vpf_sim.types import Driver, Privilege
 
 VARIANT_PREFIX = "vpf@"  # before the name or file of a variant
+MODEL_PREFIX = "onnx:"  # before the file of a learned policy
+LEARNED = {"learned-bc": Path(__file__).parent / "learned" / "learned_bc.onnx"}  # the policies that are installed
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +39,12 @@ def _lane_lines() -> Driver:
     from vpf_sim.drivers.lane_lines import LaneLinesDriver  # imports OpenCV, which listings do not need
 
     return LaneLinesDriver()
+
+
+def _learned(model: str | Path) -> Driver:
+    from vpf_sim.drivers.learned.driver import OnnxDriver  # imports OpenCV, too
+
+    return OnnxDriver(model)
 
 
 _REGISTRY: dict[str, _Entry] = {
@@ -61,6 +70,9 @@ _REGISTRY: dict[str, _Entry] = {
     ),
     "idm": _Entry(IdmDriver, "world", "highway-env's own driver: IDM along the lane, MOBIL across; gets all objects"),
     "lane-lines": _Entry(_lane_lines, "none", "lane lines from above, Stanley's law, a brake by time to contact"),
+    "learned-bc": _Entry(
+        lambda: _learned(LEARNED["learned-bc"]), "none", "a small network that was cloned from drivers with privilege"
+    ),
     "neutral": _Entry(NeutralDriver, "none", "no throttle and no steering"),
 }
 
@@ -76,7 +88,7 @@ def describe() -> list[Description]:
 
 
 def description(name: str) -> Description:
-    """What a driver of that name is: one of the registry, the vision driver in a variant, or a user's own."""
+    """What a driver of that name is: one of the registry, a variant, a learned policy, or a user's own."""
     if name in _REGISTRY:
         return Description(name, _REGISTRY[name].privileged, _REGISTRY[name].summary)
     driver = create(name)
@@ -86,11 +98,18 @@ def description(name: str) -> Description:
 def has_name(driver: str) -> bool:
     """Whether a name leads to a driver in any process: not of instances, nor of classes of a notebook or script."""
     is_class = ":" in driver and own.is_importable(driver)
-    return driver in _REGISTRY or driver.startswith(VARIANT_PREFIX) or is_class
+    return driver in _REGISTRY or driver.startswith((VARIANT_PREFIX, MODEL_PREFIX)) or is_class
+
+
+def model_of(driver: str) -> Path | None:
+    """The ONNX file of a learned driver; None of another."""
+    if driver.startswith(MODEL_PREFIX):
+        return Path(driver.removeprefix(MODEL_PREFIX))
+    return LEARNED.get(driver)
 
 
 def create(driver: own.DriverLike) -> Driver:
-    """A new driver: a registered name, "vpf@VARIANT" (its name or file), or a user's own.
+    """A new driver: a registered name, "vpf@VARIANT" (its name or file), "onnx:FILE", or a user's own.
 
     A user's own is "package.module:Class", a class that is made without arguments, or an instance.
     """
@@ -98,6 +117,8 @@ def create(driver: own.DriverLike) -> Driver:
         return own.make(driver, own.name_of(driver))
     if driver.startswith(VARIANT_PREFIX):
         return VisionDriver(driver.removeprefix(VARIANT_PREFIX))
+    if driver.startswith(MODEL_PREFIX):
+        return _learned(driver.removeprefix(MODEL_PREFIX))
     if ":" in driver or own.is_kept(driver):
         return own.load(driver)
     if driver not in _REGISTRY:
@@ -106,10 +127,14 @@ def create(driver: own.DriverLike) -> Driver:
 
 
 def _summary(name: str, driver: Driver) -> str:
-    """A variant's summary, or the first line of the docstring of a user's class."""
+    """A variant's or policy's summary, or the first line of the docstring of a user's class."""
     if name.startswith(VARIANT_PREFIX):
         from vpf_sim.planning import variant
 
         which = name.removeprefix(VARIANT_PREFIX)
         return variant.summary(which) or f"the vision driver, variant {which}"
+    if name.startswith(MODEL_PREFIX):
+        from vpf_sim.drivers.learned import manifest
+
+        return manifest.load(Path(name.removeprefix(MODEL_PREFIX))).summary or "a learned policy"
     return (getdoc(type(process_state.unwrapped(driver))) or "").partition("\n")[0]

@@ -14,7 +14,7 @@ PACKAGES = (
     "vpf_sim.envs",
     "vpf_sim.scenarios",
 )  # a checkout maps some to other folders
-SUFFIXES = (".py", ".toml")
+SUFFIXES = (".py", ".toml", ".onnx")
 
 
 def fingerprint() -> dict[str, str]:
@@ -55,13 +55,17 @@ def commit_of(sources: str) -> str | None:
 
 
 def own_code(driver: str) -> str | None:
-    """SHA-256 of a user's driver: its outermost package or its variant file.
+    """SHA-256 of a user's driver, its outermost package or its variant file, or of a learned policy.
 
-    None for registered drivers, instances, and classes of a notebook or script.
+    None for other registered drivers, instances, and classes of a notebook or script.
     """
-    from vpf_sim.drivers import VARIANT_PREFIX, is_importable
+    from vpf_sim.drivers import VARIANT_PREFIX, is_importable, model_of
     from vpf_sim.planning import variant
 
+    if (model := model_of(driver)) is not None:
+        from vpf_sim.drivers.learned.driver import code
+
+        return code(model)
     if driver.startswith(VARIANT_PREFIX):
         return sha256(repr(variant.load(driver.removeprefix(VARIANT_PREFIX))).encode()).hexdigest()
     if ":" not in driver or not is_importable(driver):

@@ -1,0 +1,103 @@
+"""Train a driver that looks through the camera alone, by cloning drivers with privilege, and export it to ONNX.
+
+python train_bc.py FOLDER writes FOLDER/policy.onnx and FOLDER/policy.toml. Then
+
+    vpf-sim drive town04-clean --driver onnx:FOLDER/policy.onnx
+
+It needs `pip install 'vpf_sim[learn,onnx]'`. docs/learning.md explains the method; this script made `learned-bc`.
+"""
+
+import argparse
+import subprocess
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+from time import perf_counter
+
+import torch
+
+from behaviour_cloning import scenes
+from behaviour_cloning.collect import Drive, collect
+from behaviour_cloning.export import export
+from behaviour_cloning.fit import Decisions, fit
+from behaviour_cloning.network import Network
+from vpf_sim.drivers.learned.manifest import Crop, Manifest, PictureInput, StateInput, Training
+
+LEARNER_SHARES = (0.0, 0.5, 0.8, 1.0)  # of the turns at the wheel, by round; the last share holds for later rounds
+FIRST_ROUND, LAST_EPOCHS = 2, 3  # times as many drives in the first round, and epochs in the last
+MANIFEST = Manifest(
+    schema=1,
+    rate_hz=20.0,
+    summary="a small network that was cloned from drivers with privilege",
+    image=PictureInput(width_px=160, height_px=64, frames_ago=(4, 2, 0), crop=Crop(top_share=0.46666666666666667)),
+    state=StateInput(values=("speed",)),
+)
+
+
+def main(options: argparse.Namespace) -> None:
+    began_s, made_from = perf_counter(), commit()
+    torch.set_num_threads(1)  # another thread makes the batches
+    torch.manual_seed(options.seed)
+    assert MANIFEST.image is not None
+    network = Network(*MANIFEST.image.shape[1:])
+    options.out.mkdir(parents=True, exist_ok=True)
+    model, drives = options.out / "policy.onnx", []
+    for number in range(options.rounds):
+        share = LEARNER_SHARES[min(number, len(LEARNER_SHARES) - 1)]
+        drives += gathered(options, number, share, model if number else None)
+        epochs = options.epochs * (LAST_EPOCHS if number == options.rounds - 1 else 1)
+        for loss in fit(network, Decisions(drives, MANIFEST.image.frames_ago), epochs, options.seed + number):
+            print(f"round {number}: loss {loss:.4f}, {minutes(began_s):.1f} min", flush=True)
+        export(network, recorded(options, drives, made_from, minutes(began_s) / 60.0), model)
+    print(f"written: {model}")
+
+
+def gathered(options: argparse.Namespace, number: int, share: float, model: Path | None) -> list[Drive]:
+    """The drives of a round."""
+    first = options.seed + (0 if number == 0 else (number - 1 + FIRST_ROUND) * options.drives)
+    seeds = range(first, first + options.drives * (FIRST_ROUND if number == 0 else 1))
+    found = [*collect(seeds, share, model, MANIFEST, options.decisions, options.workers)]
+    ends = ", ".join(f"{count} {status}" for status, count in Counter(one.status for one in found).most_common())
+    print(f"round {number}: seeds {seeds.start}:{seeds.stop}, learner {share:.0%}, {ends}", flush=True)
+    return found
+
+
+def recorded(options: argparse.Namespace, drives: list[Drive], made_from: str, wall_h: float) -> Manifest:
+    """The manifest with the record of the training."""
+    frames = sum(map(len, drives))
+    training = Training(
+        command=f"python examples/train_bc.py FOLDER --rounds {options.rounds} --drives {options.drives} "
+        f"--decisions {options.decisions} --epochs {options.epochs} --seed {options.seed}",
+        commit=made_from,
+        expert="idm beside obstacles, else pure-pursuit with idm's throttle",
+        scenarios=tuple(dict.fromkeys((*scenes.ROADS, *scenes.OBSTACLES))),
+        weathers=(*scenes.USUAL_WEATHERS, "all others"),
+        seeds=f"{options.seed}:{options.seed + len(drives)}",
+        frames=frames,
+        driven_h=round(frames / MANIFEST.rate_hz / 3600.0, 2),
+        wall_h=round(wall_h, 2),
+    )
+    return replace(MANIFEST, training=training)
+
+
+def commit() -> str:
+    """The commit of the checkout that this script lies in; "" elsewhere."""
+    command = ["git", "-C", str(Path(__file__).parent), "rev-parse", "HEAD"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    return done.stdout.strip()
+
+
+def minutes(began_s: float) -> float:
+    return (perf_counter() - began_s) / 60.0
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("out", type=Path, metavar="FOLDER")
+    parser.add_argument("--rounds", type=int, default=6, help="of collecting and fitting")
+    parser.add_argument("--drives", type=int, default=60, help="of a round; the first has twice as many")
+    parser.add_argument("--decisions", type=int, default=300, help="longest drive, at 20 a second")
+    parser.add_argument("--epochs", type=int, default=2, help="of a round; the last has three times as many")
+    parser.add_argument("--seed", type=int, default=0, help="first of the drives' seeds")
+    parser.add_argument("--workers", type=int, default=2, help="processes that drive")
+    main(parser.parse_args())

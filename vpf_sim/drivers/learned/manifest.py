@@ -1,0 +1,113 @@
+"""The manifest of a learned policy: what its model takes in, how often it decides, and how it was trained."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from vpf_sim import configuration
+from vpf_sim.configuration import setting, settings
+
+Ago = Annotated[int, Field(ge=0, le=1000)]
+StateValue = Literal["speed", "yaw_rate", "goal_forward", "goal_right", "throttle", "steering"]
+
+
+@settings
+class Crop:
+    """The part of the camera's picture that the policy gets, by shares of width and height."""
+
+    left_share: float = setting("left side", default=0.0, ge=0.0, lt=1.0)
+    top_share: float = setting("upper side", default=0.0, ge=0.0, lt=1.0)
+    right_share: float = setting("right side", default=1.0, gt=0.0, le=1.0)
+    bottom_share: float = setting("lower side", default=1.0, gt=0.0, le=1.0)
+
+    def __post_init__(self) -> None:
+        for low, high in (("left_share", "right_share"), ("top_share", "bottom_share")):
+            if getattr(self, low) >= getattr(self, high):
+                raise ValueError(f"{low}: expected < {high}, {getattr(self, high):g}, got {getattr(self, low):g}")
+
+
+@settings
+class PictureInput:
+    """The picture, float32 (1, channels x frames, height, width): value = (grey level - mean) / deviation."""
+
+    width_px: int = setting("after shrinking", gt=0, le=4096)
+    height_px: int = setting("after shrinking", gt=0, le=4096)
+    input: str = setting("name of the model's input", default="image")
+    colour: Literal["grey", "rgb"] = setting("one channel or three", default="grey")
+    frames_ago: tuple[Ago, ...] = setting(
+        "which frames are stacked along the channels, in order: of how many decisions ago", default=(0,), min_length=1
+    )
+    mean: float = setting("grey levels that are subtracted", default=0.0)
+    deviation: float = setting("grey levels that count as 1", default=255.0, gt=0.0)
+    crop: Crop = setting("part of the camera's picture", default_factory=Crop)
+
+    @property
+    def channels(self) -> int:
+        """Of the stack."""
+        return len(self.frames_ago) * (1 if self.colour == "grey" else 3)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of the model's input."""
+        return 1, self.channels, self.height_px, self.width_px
+
+
+@settings
+class StateInput:
+    """The state vector, float32 (1, number of values), each in [-1, 1] as in vpf_sim/FourLanePixels-v0."""
+
+    values: tuple[StateValue, ...] = setting("which, in order", min_length=1)
+    input: str = setting("name of the model's input", default="state")
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of the model's input."""
+        return 1, len(self.values)
+
+
+@settings
+class Training:
+    """How the policy was trained, for the record."""
+
+    command: str = setting("that trained it", default="")
+    commit: str = setting("of the sources", default="")
+    expert: str = setting("drivers that it was cloned from", default="")
+    scenarios: tuple[str, ...] = setting("trained on", default=())
+    weathers: tuple[str, ...] = setting("trained in", default=())
+    seeds: str = setting('"A:B" of the training drives, half open', default="")
+    frames: int = setting("that it was fitted to", default=0, ge=0)
+    driven_h: float = setting("hours of driving that they show", default=0.0, ge=0.0)
+    wall_h: float = setting("hours that collection and fitting took", default=0.0, ge=0.0)
+
+
+@settings
+class Manifest:
+    """`model.toml` beside `model.onnx`; the model gets a picture, a state vector, or both."""
+
+    schema: Literal[1] = setting("version of this file's format")
+    rate_hz: float = setting("decisions a second; a command is held in between", gt=0.0, le=1000.0)
+    summary: str = setting("what the policy does, for listings", default="")
+    privileged: Literal["none"] = setting("beyond camera, odometry and goal, a policy gets nothing", default="none")
+    output: str = setting("name of the model's output, (1, 2): throttle and steering", default="action")
+    image: PictureInput | None = setting("the picture; none: frames are not drawn for it", default=None)
+    state: StateInput | None = setting("the state vector", default=None)
+    training: Training | None = setting("how it was trained", default=None)
+
+    def __post_init__(self) -> None:
+        if self.image is None and self.state is None:
+            raise ValueError("expected at least one of [image] and [state]")
+        if self.image is not None and self.state is not None and self.image.input == self.state.input:
+            raise ValueError(f"state.input: expected another name than image.input, got '{self.state.input}'")
+
+
+def file_of(model: Path) -> Path:
+    """The manifest's file of a model."""
+    return model.with_suffix(".toml")
+
+
+def load(model: Path) -> Manifest:
+    """The manifest beside a model; InputError with a line for each fault."""
+    path = file_of(model)
+    table = configuration.read_file(path, "policy manifest")
+    return configuration.build(Manifest, table, str(path))
