@@ -19,7 +19,7 @@ from vpf_sim.envs.ego import MAX_SPEED_MPS, YAW_RATE_LIMIT_RADPS
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import vehicle_from_world
-from vpf_sim.scenarios import RandomScenario, Scenario
+from vpf_sim.scenarios import AnyScenario
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
@@ -67,7 +67,7 @@ class FourLanePixels(gymnasium.Env[PixelObservation, Any]):
 
     def __init__(
         self,
-        scenarios: str | Scenario | RandomScenario | Sequence[str | Scenario | RandomScenario] = "curve-left",
+        scenarios: str | AnyScenario | Sequence[str | AnyScenario] = "curve-left",
         weathers: str | Weather | Sequence[str | Weather] = "clear",
         image_size: tuple[int, int] = (84, 84),
         fov_deg: float = 90.0,

@@ -1,0 +1,110 @@
+"""The world of a highway-env environment as it makes it, and the traffic that it lets come and go."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from math import nan
+from typing import Any
+
+import gymnasium
+from gymnasium.envs.registration import load_env_creator
+from highway_env.envs import IntersectionEnv
+from highway_env.utils import class_from_path
+from highway_env.vehicle.objects import Obstacle, RoadObject
+
+from vpf_sim.envs.ego import Ego
+from vpf_sim.scenarios.highway import HighwayEnv
+
+BESIDE_M = 8.0  # an object farther from the route has no place on it: two lanes
+# The id's own action has no planned route, and with it the destination that highway-env draws would be lost.
+PLANNED = {"intersection-v1": {"action": {"type": "DiscreteMetaAction"}}}
+
+
+class Traffic:
+    """A highway-env environment after its reset; only its road is driven on, never its `step`."""
+
+    def __init__(self, settings: HighwayEnv, seed: int) -> None:
+        config = {**settings.config.given(), **PLANNED.get(settings.id, {})}
+        if config.get("destination") == "random":
+            config["destination"] = None
+        spec = gymnasium.spec(settings.id)
+        assert spec.entry_point is not None
+        with _changes_undone(spec.entry_point, config) as changes:
+            self._env: Any = load_env_creator(spec.entry_point)(config=config, **spec.kwargs)
+            self._env.reset(seed=seed)
+        self._changes = changes
+        self._comes_and_goes = settings.traffic and isinstance(self._env, IntersectionEnv)
+        self.road = self._env.road
+        self.start = self._env.vehicle  # highway-env's ego
+        if not settings.traffic:
+            self.road.vehicles, self.road.objects = [self.start], []
+        self._adopt(self.road.vehicles)
+
+    def replace_ego(self, ego: Ego) -> None:
+        """Put our ego in the place of highway-env's."""
+        self.road.vehicles[self.road.vehicles.index(self.start)] = ego
+        self._env.vehicle = ego
+        self._ego = ego
+        self.update_places()
+
+    def advance(self, steps: int, rate_hz: float) -> None:
+        """One step of the world, after `steps` others: cars decide at highway-env's rate and move at ours."""
+        if steps % _every(self._env.config["simulation_frequency"], rate_hz) == 0:
+            self.road.act()
+        self.road.step(1.0 / rate_hz)
+        if self._comes_and_goes and (steps + 1) % _every(self._env.config["policy_frequency"], rate_hz) == 0:
+            self._renew()
+        self.update_places()
+
+    def _renew(self) -> None:
+        """Let cars come and go, as highway-env's `step` does."""
+        self._env._clear_vehicles()  # highway-env has no public name for them
+        arrived = self._env._spawn_vehicle(spawn_probability=self._env.config["spawn_probability"])
+        self._adopt([] if arrived is None else [arrived])
+
+    def update_places(self) -> None:
+        """Give every object its place on the route, and its kind."""
+        network, (ego_s, _) = self.road.network, self._ego.place
+        for obj in (*self.road.vehicles, *self.road.objects):
+            if obj is not self._ego:
+                s, lateral = network.place_at(*obj.position.tolist(), near_s_m=ego_s)
+                obj.place = (s, lateral) if abs(lateral) <= BESIDE_M else (nan, nan)
+                obj.kind = kind_of(obj)
+
+    def _adopt(self, vehicles: list[Any]) -> None:
+        """Give cars the parameters that highway-env has set on their class."""
+        for vehicle in vehicles:
+            for name, value in self._changes.items():
+                setattr(vehicle, name, value)
+
+
+def kind_of(obj: RoadObject) -> str:
+    """What an object of highway-env is, as the camera draws it."""
+    return "barrier" if isinstance(obj, Obstacle) else "car"
+
+
+def _every(frequency_hz: float, rate_hz: float) -> int:
+    """Number of our steps in a period of highway-env."""
+    return max(1, round(rate_hz / frequency_hz))
+
+
+@contextmanager
+def _changes_undone(entry_point: Any, config: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """Undo what making an environment changes on the class of its cars; yields these changes, filled at the end.
+
+    highway-env's intersection sets parameters of its traffic on the class, and so of all traffic in the process. An
+    episode must not depend on those before it.
+    """
+    own: Any = load_env_creator(entry_point)
+    traffic = class_from_path(config.get("other_vehicles_type") or own.default_config()["other_vehicles_type"])
+    before, changes = dict(vars(traffic)), {}
+    try:
+        yield changes
+    finally:
+        for name, value in dict(vars(traffic)).items():
+            if name not in before:
+                delattr(traffic, name)
+            elif before[name] is not value:
+                setattr(traffic, name, before[name])
+            else:
+                continue
+            changes[name] = value
