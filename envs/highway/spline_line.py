@@ -8,7 +8,7 @@ from scipy.interpolate import CubicSpline
 
 from vpf_sim.types import Floats
 
-NEAR_M = 40.0  # part of the line, before and after a known place, that is searched
+NEAR_M = 120.0  # part of the line, before and after a known place, that is searched
 NEWTON_STEPS = 6
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from math import nan
+from math import hypot, nan
 from typing import Any
 
 import gymnasium
@@ -12,9 +12,11 @@ from highway_env.utils import class_from_path
 from highway_env.vehicle.objects import Obstacle, RoadObject
 
 from vpf_sim.envs.ego import Ego
+from vpf_sim.envs.network import Place
 from vpf_sim.scenarios.highway import HighwayEnv
 
-BESIDE_M = 8.0  # an object farther from the route has no place on it: two lanes
+# An object that is farther aside of the route (two lanes), or farther from the ego, has no place.
+BESIDE_M, FAR_M = 8.0, 100.0
 # The id's own action has no planned route, and with it the destination that highway-env draws would be lost.
 PLANNED = {"intersection-v1": {"action": {"type": "DiscreteMetaAction"}}}
 
@@ -63,12 +65,17 @@ class Traffic:
 
     def update_places(self) -> None:
         """Give every object its place on the route, and its kind."""
-        network, (ego_s, _) = self.road.network, self._ego.place
         for obj in (*self.road.vehicles, *self.road.objects):
             if obj is not self._ego:
-                s, lateral = network.place_at(*obj.position.tolist(), near_s_m=ego_s)
-                obj.place = (s, lateral) if abs(lateral) <= BESIDE_M else (nan, nan)
-                obj.kind = kind_of(obj)
+                obj.place, obj.kind = self._place(obj), kind_of(obj)
+
+    def _place(self, obj: RoadObject) -> Place:
+        """(s, lateral) on the route; nan for objects that are not near it."""
+        (x, y), (ego_x, ego_y) = obj.position.tolist(), self._ego.position.tolist()
+        if hypot(x - ego_x, y - ego_y) > FAR_M:
+            return nan, nan
+        s, lateral = self.road.network.place_at(x, y, self._ego.place[0])
+        return (s, lateral) if abs(lateral) <= BESIDE_M else (nan, nan)
 
     def _adopt(self, vehicles: list[Any]) -> None:
         """Give cars the parameters that highway-env has set on their class."""

@@ -1,7 +1,7 @@
 """What a driver is told where roads part: left, straight or right, as CARLA's leaderboard does.
 
 Of the roads that leave a node, "straight" is the one whose direction changes least, and the others are to its left or
-right. So the way off a roundabout is "straight", and the way on around it "left".
+right. So on a roundabout "straight" goes on around it, and "right" leaves it.
 """
 
 from collections.abc import Sequence
