@@ -39,7 +39,7 @@ class Route:
     ) -> None:
         self.centre = centre
         self.offset_m = offset_m
-        self._start_s_m, self._goal_s_m = start_s_m, goal_s_m
+        self.start_s_m, self.goal_s_m = start_s_m, goal_s_m
         self._goal_sides_m, self._manoeuvres = goal_sides_m, manoeuvres
         self._start_heading_rad = centre.heading_at(start_s_m)
         self.length_m = self.progress(goal_s_m)
@@ -52,12 +52,12 @@ class Route:
 
     def progress(self, s_m: float) -> float:
         """m along the lane from the start to s."""
-        return s_m - self._start_s_m - self.offset_m * (self.centre.heading_at(s_m) - self._start_heading_rad)
+        return s_m - self.start_s_m - self.offset_m * (self.centre.heading_at(s_m) - self._start_heading_rad)
 
     def is_at_goal(self, place: tuple[float, float]) -> bool:
         """Whether a place, (s, lateral) on the reference line, is beyond the goal's cross-section."""
         left_m, right_m = self._goal_sides_m
-        return place[0] >= self._goal_s_m and left_m <= place[1] - self.offset_m <= right_m
+        return place[0] >= self.goal_s_m and left_m <= place[1] - self.offset_m <= right_m
 
     def turn(self, route_m: float) -> Turn:
         """The way to take next, at a distance along the route."""
@@ -66,9 +66,9 @@ class Route:
     def waypoints(self) -> Floats:
         """(M, 2) m, 1 m apart, from the start to `BEYOND_GOAL_M` beyond the goal."""
         wanted = np.arange(0.0, self.length_m + BEYOND_GOAL_M, SPACING_M)
-        s = self._start_s_m + wanted
+        s = self.start_s_m + wanted
         for _ in range(8):  # Newton's method: the lane is 1 - offset * curvature times as long as the line
             turn = self.centre.heading(s) - self._start_heading_rad
-            excess = s - self._start_s_m - self.offset_m * turn - wanted
+            excess = s - self.start_s_m - self.offset_m * turn - wanted
             s = s - excess / (1.0 - self.offset_m * self.centre.curvature(s))
         return self.centre.position(s, self.offset_m)

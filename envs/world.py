@@ -1,8 +1,8 @@
 """The world of an episode: road, route, ego, and traffic that comes and goes."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import radians
+from typing import Protocol
 
 from highway_env.road.road import Road
 
@@ -14,6 +14,14 @@ from vpf_sim.scenarios import DrawnScenario, HighwayScenario, Scenario
 from vpf_sim.seeding import stream
 
 
+class Traffic(Protocol):
+    """Objects that are moved in their own way."""
+
+    def advance(self, steps: int, rate_hz: float) -> None:
+        """One step of the road with all on it, after `steps` others."""
+        ...
+
+
 @dataclass(frozen=True, slots=True)
 class World:
     """A road with its objects and the ego, and the route over it."""
@@ -21,7 +29,15 @@ class World:
     road: Road
     route: Route
     ego: Ego
-    advance: Callable[[int, float], None]  # everything for one step; gets the steps before it and their rate, Hz
+    traffic: Traffic | None = None
+
+    def advance(self, steps: int, rate_hz: float) -> None:
+        """One step of the road with all on it, after `steps` others."""
+        if self.traffic is not None:
+            self.traffic.advance(steps, rate_hz)
+            return
+        self.road.act()
+        self.road.step(1.0 / rate_hz)
 
 
 def build_world(scenario: DrawnScenario, seed: int, friction: float | None = None) -> World:
@@ -30,7 +46,7 @@ def build_world(scenario: DrawnScenario, seed: int, friction: float | None = Non
         from vpf_sim.envs.highway import world  # imports all of highway-env's environments
 
         traffic, route, ego = world.build(scenario, seed, friction)
-        return World(traffic.road, route, ego, traffic.advance)
+        return World(traffic.road, route, ego, traffic)
     road = build_road(scenario, stream(seed, "road"))
     route = Route.of(road.network.centre, scenario)
     place_objects(road, scenario)
@@ -39,12 +55,7 @@ def build_world(scenario: DrawnScenario, seed: int, friction: float | None = Non
     heading = route.centre.heading_at(start.s_m) + radians(start.heading_deg)
     ego = Ego(road, position, heading, start.speed_mps, friction)
     road.vehicles.append(ego)
-
-    def advance(steps: int, rate_hz: float) -> None:  # noqa: ARG001
-        road.act()
-        road.step(1.0 / rate_hz)
-
-    return World(road, route, ego, advance)
+    return World(road, route, ego)
 
 
 def build_route(scenario: DrawnScenario, seed: int) -> Route:

@@ -24,9 +24,6 @@ from vpf_sim.reporting.stored_run import Record, StoredRun
 from vpf_sim.reporting.top_view import Rectangle, Scene
 from vpf_sim.types import Camera, Command, Driver, Image, Observation, Plan
 
-BEYOND_M = 60.0  # drawn beyond the road's ends
-EVERY_M = 2.0
-
 
 @dataclass(frozen=True, slots=True)
 class Moment:
@@ -132,11 +129,7 @@ def redrawing(run: StoredRun, episode_id: str, replan: bool) -> Redrawing:
 
 def scene_of(world: FourLane) -> Scene:
     """The static scene of an environment in world axes."""
-    network = world.road.network
-    along = np.arange(-BEYOND_M, network.centre.length_m + BEYOND_M, EVERY_M)
-    lanes = round(2.0 * network.half_width_m / network.lane_width_m)
-    offsets = [-network.half_width_m + network.lane_width_m * line for line in range(lanes + 1)]
-    return Scene(tuple(network.centre.position(along, offset) for offset in offsets), world.route.copy(), world.goal_m)
+    return Scene(world.road.network.lines(), world.route.copy(), world.goal_m)
 
 
 def rectangle_of(obj: Any) -> Rectangle:
