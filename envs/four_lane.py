@@ -216,7 +216,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
             "ego": np.minimum(np.maximum(measured, self._low), self._high),
             "goal": np.array(self.goal_m),
             "time": np.array([self._steps / self.rate_hz]),
-            **({"turn": np.int64(TURNS.index(self._path.turn(self._route_m)))} if self._tells_turns else {}),
+            **({"turn": np.array(TURNS.index(self._path.turn(self._route_m)))} if self._tells_turns else {}),
         }
 
     def _image(self) -> EnvObservation:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from math import radians
 from typing import Protocol
 
+import numpy as np
 from highway_env.road.road import Road
 
 from vpf_sim.envs.ego import Ego
@@ -51,7 +52,7 @@ def build_world(scenario: DrawnScenario, seed: int, friction: float | None = Non
     route = Route.of(road.network.centre, scenario)
     place_objects(road, scenario)
     start = scenario.ego
-    position = route.centre.position_at(start.s_m, route.offset_m + start.lateral_m)
+    position = np.array(route.centre.position_at(start.s_m, route.offset_m + start.lateral_m))
     heading = route.centre.heading_at(start.s_m) + radians(start.heading_deg)
     ego = Ego(road, position, heading, start.speed_mps, friction)
     road.vehicles.append(ego)

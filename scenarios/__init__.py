@@ -1,6 +1,6 @@
 """Scenarios: files, schema and catalog."""
 
-from vpf_sim.scenarios.files import AnyScenario, load, names, parse, summary
+from vpf_sim.scenarios.files import AnyScenario, drawn_road, load, names, parse, summary
 from vpf_sim.scenarios.highway import HighwayScenario
 from vpf_sim.scenarios.kinds import SIZES, ObjectKind, Size
 from vpf_sim.scenarios.random_road import RandomScenario
@@ -17,6 +17,7 @@ __all__ = [
     "RandomScenario",
     "Scenario",
     "Size",
+    "drawn_road",
     "load",
     "names",
     "parse",

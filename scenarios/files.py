@@ -42,6 +42,14 @@ def load(name_or_path: str | AnyScenario) -> AnyScenario:
     return _checked(configuration.read_file(path, "scenario"), name_or_path)
 
 
+def drawn_road(name_or_path: str, seed: int) -> Scenario:
+    """A scenario with a road of our own, as a seed draws it. Raises InputError for one of highway-env's roads."""
+    drawn = load(name_or_path).draw(seed)
+    if not isinstance(drawn, Scenario):
+        raise InputError(f"scenario: expected one with a road of its own, got {name_or_path}, a road of highway-env")
+    return drawn
+
+
 def parse(text: str, file: str) -> AnyScenario:
     """The scenario that a TOML text describes; `file` is how messages call it."""
     return _checked(configuration.parse(text, file), file)
@@ -72,7 +80,7 @@ def _on_its_id(content: dict[str, Any]) -> dict[str, Any]:
     """The tables of a highway-env scenario merged over the catalog's scenario of its id."""
     section = content["highway_env"]
     name = section.get("id") if isinstance(section, dict) else None
-    return _over(name if name in get_args(HighwayId) else "highway-v0", content)
+    return _over(str(name) if name in get_args(HighwayId) else "highway-v0", content)
 
 
 def _over(base: str, content: dict[str, Any]) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """A smooth line through points: a cubic spline over the distance along them."""
 
 from math import hypot
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,7 +26,7 @@ class SplineLine:
         self.length_m = float(self._s[-1])
         spline = CubicSpline(self._s, points_m)
         self._spline, self._slope, self._bend = spline, spline.derivative(), spline.derivative(2)
-        self._pieces: list[list[list[float]]] = spline.c.transpose(1, 2, 0).tolist()  # piece, axis, power
+        self._pieces: Any = spline.c.transpose(1, 2, 0).tolist()  # floats by piece, axis, power
         self._starts: list[float] = self._s.tolist()
 
     def position(self, s_m: ArrayLike, lateral_m: ArrayLike = 0.0) -> Floats:

@@ -31,10 +31,10 @@ class Traffic:
         config = {**settings.config.given(), **PLANNED.get(settings.id, {})}
         if config.get("destination") == "random":
             config["destination"] = None
-        spec = gymnasium.spec(settings.id)
-        assert spec.entry_point is not None
-        with _changes_undone(spec.entry_point, config) as changes:
-            self._env: Any = load_env_creator(spec.entry_point)(config=config, **spec.kwargs)
+        # its class, since gymnasium.make warns that a newer version of the environment exists
+        environment: Any = load_env_creator(str(gymnasium.spec(settings.id).entry_point))
+        with _changes_undone(environment, config) as changes:
+            self._env: Any = environment(config=config)
             self._env.reset(seed=seed)
         self._changes = changes
         self._comes_and_goes = settings.traffic and isinstance(self._env, IntersectionEnv)
@@ -111,15 +111,15 @@ def _every(frequency_hz: float, rate_hz: float) -> int:
 
 
 @contextmanager
-def _changes_undone(entry_point: Any, config: dict[str, Any]) -> Iterator[dict[str, Any]]:
+def _changes_undone(environment: Any, config: dict[str, Any]) -> Iterator[dict[str, Any]]:
     """Undo what making an environment changes on the class of its cars; yields these changes, filled at the end.
 
     highway-env's intersection sets parameters of its traffic on the class, and so of all traffic in the process. An
     episode must not depend on those before it.
     """
-    own: Any = load_env_creator(entry_point)
-    traffic = class_from_path(config.get("other_vehicles_type") or own.default_config()["other_vehicles_type"])
-    before, changes = dict(vars(traffic)), {}
+    traffic = class_from_path({**environment.default_config(), **config}["other_vehicles_type"])
+    before = dict(vars(traffic))
+    changes: dict[str, Any] = {}
     try:
         yield changes
     finally:
