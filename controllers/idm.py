@@ -8,6 +8,7 @@ no frame.
 """
 
 from math import hypot
+from typing import Any
 
 from highway_env.road.road import Road
 from highway_env.vehicle.behavior import IDMVehicle
@@ -35,8 +36,9 @@ class Twin(IDMVehicle):  # type: ignore[misc]
 
     def __init__(self, gains: Gains, road: Road, observation: Observation, setup: DriverSetup) -> None:
         place = (observation.x_m, observation.y_m)
+        route = list(getattr(road.network, "route_lanes", ())) or None
         target_mps = setup.speed_reference_mps
-        super().__init__(road, place, observation.yaw_rad, observation.speed_mps, target_speed=target_mps)
+        super().__init__(road, place, observation.yaw_rad, observation.speed_mps, target_speed=target_mps, route=route)
         # Its steering law assumes axles half the length before and behind the centre; the ego's are nearer.
         self.LENGTH = setup.vehicle.wheelbase_m
         self.KP_LATERAL, self.KP_HEADING = 1.0 / gains.lateral_s, 1.0 / gains.heading_s
@@ -58,13 +60,15 @@ class Idm:
         self._setup = setup
         self._world = world
         self._twin: Twin | None = None
+        self._ego: Any = None
 
     def command(self, observation: Observation) -> Command:
         """The command for one step of 1 / rate_hz."""
         if self._twin is None:
-            self._twin = Twin(self._gains, self._others(observation), observation, self._setup)
+            self._twin = self._new_twin(observation)
         else:
             self._twin.sync(observation, 1.0 / self._setup.rate_hz)
+        self._twin.road.vehicles = [vehicle for vehicle in self._world.vehicles if vehicle is not self._ego]
         self._twin.act()
         vehicle, action = self._setup.vehicle, self._twin.action
         acceleration = float(action["acceleration"])
@@ -72,17 +76,18 @@ class Idm:
         steering = float(action["steering"]) / vehicle.steering_limit_rad
         return Command(min(max(throttle, -1.0), 1.0), min(max(steering, -1.0), 1.0))
 
-    def _others(self, observation: Observation) -> Road:
-        """The road and its objects without the ego, the vehicle nearest to the observation.
+    def _new_twin(self, observation: Observation) -> Twin:
+        """The twin on its own road, which has the world's lanes and objects.
 
-        `neighbour_vehicles_connected_lanes` includes leaders on the next segment of a lane.
+        The ego is the vehicle nearest to the observation. `neighbour_vehicles_connected_lanes` includes leaders on the
+        next segment of a lane.
         """
         here, world = [observation.x_m, observation.y_m], self._world
-        ego = min(world.vehicles, key=lambda other: hypot(*(other.position - here)))
-        return Road(
+        self._ego = min(world.vehicles, key=lambda other: hypot(*(other.position - here)))
+        road = Road(
             network=world.network,
-            vehicles=[vehicle for vehicle in world.vehicles if vehicle is not ego],
             road_objects=list(world.objects),
             np_random=stream(self._setup.seed, "idm"),
             neighbour_vehicles_connected_lanes=True,
         )
+        return Twin(self._gains, road, observation, self._setup)

@@ -7,6 +7,7 @@ import numpy as np
 from highway_env.road.road import Road
 from highway_env.vehicle.kinematics import Vehicle
 
+from vpf_sim.envs.network import Network
 from vpf_sim.scenarios.kinds import EGO_SIZE, ObjectKind
 from vpf_sim.types import Floats, VehicleModel
 
@@ -48,7 +49,7 @@ class Ego(Vehicle):  # type: ignore[misc]
         self.model = VehicleModel()
         self.friction = friction
         self.steering_rad = 0.0
-        self.place = (0.0, 0.0)  # s, lateral on the carriageway
+        self.place = (0.0, 0.0)  # s, lateral on the road's reference line
         super().__init__(road, position, heading, speed)
         self.on_state_update()
 
@@ -113,8 +114,25 @@ class Ego(Vehicle):  # type: ignore[misc]
         return self.speed * np.array([cos(course), sin(course)])
 
     def on_state_update(self) -> None:
-        """Update the car's place on the carriageway and its lane."""
-        network = self.road.network
-        self.place = network.centre.local_at(float(self.position[0]), float(self.position[1]))
-        self.lane_index = network.lane_at(self.place[1])
+        """Update the car's place on the road and its lane."""
+        network: Network = self.road.network
+        self.place = network.place_at(float(self.position[0]), float(self.position[1]), self.place[0])
+        self.lane_index = network.lane_of(self)
         self.lane = network.get_lane(self.lane_index)
+
+    def predict_trajectory_constant_speed(self, times: Floats) -> tuple[list[Floats], list[float]]:
+        """Positions and headings at some times, s, at constant speed and steering angle.
+
+        highway-env's cars look ahead with it when they yield; its own version copies the whole road.
+        """
+        radius_inverse = sin(self._slip_rad(self.steering_rad)) / self.model.l_r_m
+        course = self.heading + self._slip_rad(self.steering_rad)
+        positions, headings = [], []
+        for time_s in times:
+            distance_m = self.speed * float(time_s)
+            half_turn = 0.5 * distance_m * radius_inverse
+            chord_m = distance_m if abs(half_turn) < 1e-9 else distance_m * sin(half_turn) / half_turn
+            direction = course + half_turn
+            positions.append(self.position + chord_m * np.array([cos(direction), sin(direction)]))
+            headings.append(self.heading + 2.0 * half_turn)
+        return positions, headings

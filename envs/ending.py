@@ -5,9 +5,9 @@ from typing import Literal
 
 from vpf_sim.envs.ego import Ego
 from vpf_sim.envs.frame_check import InvalidFrame, frame_fault
-from vpf_sim.envs.rectangles import corners, free_ahead
-from vpf_sim.envs.road import Carriageway
-from vpf_sim.scenarios import Scenario
+from vpf_sim.envs.rectangles import free_ahead
+from vpf_sim.envs.route import Route
+from vpf_sim.scenarios import DrawnScenario
 from vpf_sim.timing import timed
 from vpf_sim.types import Image
 
@@ -15,7 +15,6 @@ Status = Literal["running", "success", "collision", "off_road", "timeout", "stuc
 TERMINATED = frozenset({"success", "collision", "off_road"})
 TRUNCATED = frozenset({"timeout", "stuck", "invalid_frame"})
 
-OFF_ROAD_MARGIN_M = 0.2
 STANDING_MPS, STANDING_S = 0.05, 2.0
 STOP_AHEAD_M = (1.0, 15.0)
 STUCK_MPS, STUCK_S = 0.2, 10.0
@@ -29,10 +28,17 @@ class Ending:
     """
 
     def __init__(
-        self, scenario: Scenario, rate_hz: float, ego: Ego, frame: Image | None, shape: tuple[int, ...]
+        self,
+        scenario: DrawnScenario,
+        route: Route,
+        rate_hz: float,
+        ego: Ego,
+        frame: Image | None,
+        shape: tuple[int, ...],
     ) -> None:
         """`frame` is the one at the reset, `shape` the shape that every frame must have."""
         self._scenario = scenario
+        self._route = route
         self._rate_hz = rate_hz
         self._shape = shape
         self._steps = 0
@@ -57,7 +63,7 @@ class Ending:
             self._last_frame = frame
         if ego.crashed:
             return "collision"
-        if off_road(ego):
+        if ego.road.network.is_off_road(ego):
             return "off_road"
         if self._success(ego):
             return "success"
@@ -69,7 +75,7 @@ class Ending:
 
     def _success(self, ego: Ego) -> bool:
         if self._scenario.goal.kind == "reach":
-            return ego.place[0] >= self._scenario.goal.s_m
+            return self._route.is_at_goal(ego.place)
         stopped = ego.speed < STANDING_MPS and STOP_AHEAD_M[0] <= free_ahead(ego) <= STOP_AHEAD_M[1]
         self._standing_steps = self._standing_steps + 1 if stopped else 0
         return self._standing_steps >= STANDING_S * self._rate_hz
@@ -84,18 +90,3 @@ class Ending:
         fault = None if frame is None else frame_fault(frame, self._shape, last)
         if fault is not None and self.invalid_frame is None:
             self.invalid_frame = InvalidFrame(self._steps, self._steps / self._rate_hz, fault)
-
-
-def off_road(ego: Ego) -> bool:
-    """Whether a corner of the ego is beyond the carriageway's edges or ends by more than the margin."""
-    network: Carriageway = ego.road.network
-    s, lateral = ego.place
-    reach_m = ego.diagonal / 2.0
-    length_m, half_width_m = network.centre.length_m, network.half_width_m
-    if abs(lateral) + reach_m < half_width_m and reach_m < s < length_m - reach_m:
-        return False
-    places = [network.centre.local_at(*corner) for corner in corners(ego)]
-    return any(
-        abs(right) > half_width_m + OFF_ROAD_MARGIN_M or not -OFF_ROAD_MARGIN_M <= s <= length_m + OFF_ROAD_MARGIN_M
-        for s, right in places
-    )

@@ -2,8 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
-from math import radians
-from typing import Any
+from typing import Any, get_args
 
 import gymnasium
 import numpy as np
@@ -20,22 +19,20 @@ from vpf_sim.envs.camera.rig import checked_rig, preset
 from vpf_sim.envs.ego import MAX_SPEED_MPS, YAW_RATE_LIMIT_RADPS, Ego
 from vpf_sim.envs.ending import TERMINATED, TRUNCATED, Ending, Status
 from vpf_sim.envs.rectangles import clearance, distance, solid_objects
-from vpf_sim.envs.road import build_road
-from vpf_sim.envs.road_objects import place_objects
-from vpf_sim.envs.route import Route
 from vpf_sim.envs.sensor_faults import CameraFaults, SignalFaults
 from vpf_sim.envs.sensors import Sensors
 from vpf_sim.envs.window import Window
+from vpf_sim.envs.world import build_world
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.geometry import wrap_angle
-from vpf_sim.scenarios import RandomScenario, Scenario
-from vpf_sim.seeding import stream
+from vpf_sim.scenarios import AnyScenario, HighwayScenario
 from vpf_sim.timing import timed
-from vpf_sim.types import Camera, Floats, Image, VehicleModel
+from vpf_sim.types import Camera, Floats, Image, Turn, VehicleModel
 
 RATES_HZ = (60.0, 20.0)
 TRUTHS = ("depth", "flow", "foe", "ttc", "instance", "hidden")
 FARTHEST_M, LONGEST_S = 1e5, 1e5
+TURNS: tuple[Turn, ...] = get_args(Turn)
 
 EnvObservation = dict[str, NDArray[Any]]
 
@@ -57,6 +54,8 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
 
     With `frames=False` nothing is rendered: there is no `image` and no invalid frame, and all else is the same.
 
+    On highway-env's roads the observation has `turn`, the index in `TURNS` of the way to take where roads part.
+
     `scenario` and `weather` are names of the catalogs, paths of TOML files, or loaded objects. After a reset `scenario`
     is the one drawn for the seed, and `road`, `ego`, `route` and `goal_m` belong to the episode.
     """
@@ -72,7 +71,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
 
     def __init__(
         self,
-        scenario: str | Scenario | RandomScenario = "town04",
+        scenario: str | AnyScenario = "town04",
         weather: "str | weathers.Weather" = "clear",
         render_mode: str | None = None,
         truth: Sequence[str] = (),
@@ -99,7 +98,9 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
         self._faults = self._template.ego.sensor_faults
         self._camera_faulty = frames and self._faults.affect_camera
-        self.observation_space = _observation_space(self.camera if frames else None, self._camera_faulty)
+        self._tells_turns = isinstance(self._template, HighwayScenario)
+        camera = self.camera if frames else None
+        self.observation_space = _observation_space(camera, self._camera_faulty, self._tells_turns)
         self._low, self._high = _ego_bounds()
         self._window: Window | None = None
         self._ending: Ending | None = None  # before the first reset
@@ -120,7 +121,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         self._action = np.zeros(2)
         self._frame = self._take_frame()
         shape = (self.camera.height_px, self.camera.width_px, 3)
-        self._ending = Ending(self.scenario, self.rate_hz, self.ego, self._frame, shape)
+        self._ending = Ending(self.scenario, self._path, self.rate_hz, self.ego, self._frame, shape)
         self._show()
         return self._observation(), self._info(self._ending.status_at_reset)
 
@@ -172,8 +173,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
     def advance(self, command: Floats) -> None:
         """The physics of a step, without a frame: throttle and steering for one tick."""
         self.ego.act(self._controls(command))
-        self.road.act()
-        self.road.step(1.0 / self.rate_hz)
+        self._world.advance(self._steps, self.rate_hz)
         self._steps += 1
 
     def render(self) -> Image | None:
@@ -207,17 +207,10 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
 
     def _build_world(self) -> None:
         """Build the road, its objects and the ego car."""
-        ego = self.scenario.ego
-        self.road = build_road(self.scenario, stream(self.episode_seed, "road"))
-        centre = self.road.network.centre
-        self._path = Route(centre, self.scenario)
+        self._world = build_world(self.scenario, self.episode_seed, self.weather.road_friction)
+        self.road, self.ego, self._path = self._world.road, self._world.ego, self._world.route
         self.route, self.goal_m = self._path.waypoints(), self._path.goal_m
         self.route_length_m = self._path.length_m
-        place_objects(self.road, self.scenario)
-        position = centre.position_at(ego.s_m, self._path.offset_m + ego.lateral_m)
-        heading = centre.heading_at(ego.s_m) + radians(ego.heading_deg)
-        self.ego = Ego(self.road, position, heading, ego.speed_mps, self.weather.road_friction)
-        self.road.vehicles.append(self.ego)
 
     def _controls(self, command: Floats) -> dict[str, float]:
         """Acceleration and steering angle for a command in [-1, 1]."""
@@ -240,6 +233,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
             "ego": np.minimum(np.maximum(measured, self._low), self._high),
             "goal": np.array(self.goal_m),
             "time": np.array([self._steps / self.rate_hz]),
+            **({"turn": np.array(TURNS.index(self._path.turn(self._route_m)))} if self._tells_turns else {}),
         }
 
     def _image(self) -> EnvObservation:
@@ -294,8 +288,8 @@ def _ego_bounds() -> tuple[Floats, Floats]:
     return np.array([-1.0, -1.0, -1.0, 0.0, -1.0]) * high, high
 
 
-def _observation_space(camera: Camera | None, stamped: bool) -> Any:
-    """The observation space; with `stamped` also the image's exposure time."""
+def _observation_space(camera: Camera | None, stamped: bool, tells_turns: bool) -> Any:
+    """The observation space; with `stamped` also the image's exposure time, with `tells_turns` the way to take."""
     low, high = _ego_bounds()
     shape = None if camera is None else (camera.height_px, camera.width_px, 3)
     return spaces.Dict(
@@ -305,6 +299,7 @@ def _observation_space(camera: Camera | None, stamped: bool) -> Any:
             "goal": spaces.Box(-FARTHEST_M, FARTHEST_M, (2,), np.float64),
             "time": spaces.Box(0.0, LONGEST_S, (1,), np.float64),
             **({"frame_time": spaces.Box(0.0, LONGEST_S, (1,), np.float64)} if stamped else {}),
+            **({"turn": spaces.Discrete(len(TURNS))} if tells_turns else {}),
         }
     )
 

@@ -18,7 +18,7 @@ from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.errors import InputError
 from vpf_sim.policy_state import STATE, policy_state
-from vpf_sim.scenarios import RandomScenario, Scenario
+from vpf_sim.scenarios import AnyScenario
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
@@ -64,7 +64,7 @@ class FourLanePixels(gymnasium.Env[PixelObservation, Any]):
 
     def __init__(
         self,
-        scenarios: str | Scenario | RandomScenario | Sequence[str | Scenario | RandomScenario] = "curve-left",
+        scenarios: str | AnyScenario | Sequence[str | AnyScenario] = "curve-left",
         weathers: str | Weather | Sequence[str | Weather] = "clear",
         image_size: tuple[int, int] = (84, 84),
         fov_deg: float = 90.0,

@@ -1,5 +1,6 @@
 """highway-env roads from scenarios: exact lanes and the network of one carriageway."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -8,11 +9,15 @@ from highway_env.road.road import LaneIndex, RoadNetwork
 from highway_env.road.road import Road as HighwayRoad
 
 from vpf_sim.envs.centre_line import CentreLine
+from vpf_sim.envs.network import LaneUse, Place, RoadLines
+from vpf_sim.envs.rectangles import Point, corners
 from vpf_sim.scenarios import Scenario
 from vpf_sim.scenarios.parts import Road
 from vpf_sim.types import Floats
 
 START, END = "start", "end"  # the nodes of the network
+OFF_ROAD_MARGIN_M = 0.2
+BEYOND_M, EVERY_M = 60.0, 2.0  # of the lines from above: beyond the road's ends, and between points
 
 
 def centre_line(road: Road) -> CentreLine:
@@ -91,6 +96,46 @@ class Carriageway(RoadNetwork):  # type: ignore[misc]
     def get_closest_lane_index(self, position: Floats, heading: float | None = None) -> LaneIndex:  # noqa: ARG002
         """The lane at a position; the heading is ignored since all lanes have one direction."""
         return self.lane_at(self.centre.local_at(float(position[0]), float(position[1]))[1])
+
+    def place_at(self, x_m: float, y_m: float, near_s_m: float | None = None) -> Place:  # noqa: ARG002
+        """(s, lateral) of a world point."""
+        return self.centre.local_at(x_m, y_m)
+
+    def lane_of(self, ego: Any) -> LaneIndex:
+        """The lane at the ego's place."""
+        return self.lane_at(ego.place[1])
+
+    def is_off_road(self, ego: Any) -> bool:
+        """Whether a corner of the ego is beyond the carriageway's edges or ends by more than the margin."""
+        s, lateral = ego.place
+        reach_m = ego.diagonal / 2.0
+        length_m, half_width_m = self.centre.length_m, self.half_width_m
+        if abs(lateral) + reach_m < half_width_m and reach_m < s < length_m - reach_m:
+            return False
+        places = [self.centre.local_at(*corner) for corner in corners(ego)]
+        return any(
+            abs(right) > half_width_m + OFF_ROAD_MARGIN_M or not -OFF_ROAD_MARGIN_M <= s <= length_m + OFF_ROAD_MARGIN_M
+            for s, right in places
+        )
+
+    def lane_use(self, corners: Sequence[Point], near_s_m: float) -> LaneUse:  # noqa: ARG002
+        """How the corners of a car lie on the lanes; the road's ends do not count."""
+        laterals_m = [self.centre.local_at(x, y)[1] for x, y in corners]
+        is_outside = any(abs(lateral) > self.half_width_m for lateral in laterals_m)
+        return LaneUse(is_outside, not is_outside and len({self.lane_at(lateral) for lateral in laterals_m}) == 1)
+
+    def edges_at(self, x_m: float, y_m: float, heading_rad: float) -> tuple[float, float]:  # noqa: ARG002
+        """(left, right) m, offsets from a point to the edges of the carriageway, left < 0."""
+        lateral = self.centre.local_at(x_m, y_m)[1]
+        return -self.half_width_m - lateral, self.half_width_m - lateral
+
+    def lines(self) -> RoadLines:
+        """The road from above: the carriageway, its edges, and the lines between its lanes."""
+        along = np.arange(-BEYOND_M, self.centre.length_m + BEYOND_M, EVERY_M)
+        lanes = round(2.0 * self.half_width_m / self.lane_width_m)
+        offsets = [-self.half_width_m + self.lane_width_m * line for line in range(lanes + 1)]
+        left, *between, right = [self.centre.position(along, offset) for offset in offsets]
+        return RoadLines(((left, right),), (left, right), tuple(between))
 
 
 def _edge_line(road: Road, side: str) -> int:

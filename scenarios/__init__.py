@@ -1,8 +1,25 @@
 """Scenarios: files, schema and catalog."""
 
-from vpf_sim.scenarios.files import load, names, parse, summary
+from vpf_sim.scenarios.files import AnyScenario, drawn_road, load, names, parse, summary
+from vpf_sim.scenarios.highway import HighwayScenario
 from vpf_sim.scenarios.kinds import SIZES, ObjectKind, Size
 from vpf_sim.scenarios.random_road import RandomScenario
 from vpf_sim.scenarios.schema import Scenario
 
-__all__ = ["SIZES", "ObjectKind", "RandomScenario", "Scenario", "Size", "load", "names", "parse", "summary"]
+DrawnScenario = Scenario | HighwayScenario
+
+__all__ = [
+    "SIZES",
+    "AnyScenario",
+    "DrawnScenario",
+    "HighwayScenario",
+    "ObjectKind",
+    "RandomScenario",
+    "Scenario",
+    "Size",
+    "drawn_road",
+    "load",
+    "names",
+    "parse",
+    "summary",
+]

@@ -3,34 +3,38 @@
 from importlib.resources import files
 from itertools import takewhile
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from vpf_sim import configuration
 from vpf_sim.errors import InputError, unknown_name
+from vpf_sim.scenarios.highway import HighwayId, HighwayScenario
 from vpf_sim.scenarios.random_road import RandomScenario
 from vpf_sim.scenarios.schema import Scenario
+
+AnyScenario = Scenario | RandomScenario | HighwayScenario
+CATALOG = "vpf_sim.scenarios.catalog"
 
 
 def names() -> list[str]:
     """Names of the scenarios of the catalog."""
-    catalog = files("vpf_sim.scenarios.catalog")
+    catalog = files(CATALOG)
     return sorted(entry.name.removesuffix(".toml") for entry in catalog.iterdir() if entry.name.endswith(".toml"))
 
 
 def summary(name: str) -> str:
     """What a scenario of the catalog is: the comment at the top of its file."""
-    lines = (files("vpf_sim.scenarios.catalog") / f"{name}.toml").read_text("utf-8").splitlines()
+    lines = (files(CATALOG) / f"{name}.toml").read_text("utf-8").splitlines()
     return " ".join(line.removeprefix("# ") for line in takewhile(lambda line: line.startswith("#"), lines))
 
 
-def load(name_or_path: str | Scenario | RandomScenario) -> Scenario | RandomScenario:
+def load(name_or_path: str | AnyScenario) -> AnyScenario:
     """The scenario of a catalog name or a TOML file; a loaded scenario is returned as it is. Raises InputError."""
-    if isinstance(name_or_path, Scenario | RandomScenario):
+    if isinstance(name_or_path, AnyScenario):
         return name_or_path
     if not isinstance(name_or_path, str):
         raise InputError(f"scenario: expected a name, a TOML file or a Scenario, got {name_or_path!r}")
     if name_or_path in names():
-        text = (files("vpf_sim.scenarios.catalog") / f"{name_or_path}.toml").read_text("utf-8")
+        text = (files(CATALOG) / f"{name_or_path}.toml").read_text("utf-8")
         return parse(text, f"{name_or_path}.toml")
     path = Path(name_or_path)
     if path.suffix != ".toml" and not path.is_file():
@@ -38,16 +42,26 @@ def load(name_or_path: str | Scenario | RandomScenario) -> Scenario | RandomScen
     return _checked(configuration.read_file(path, "scenario"), name_or_path)
 
 
-def parse(text: str, file: str) -> Scenario | RandomScenario:
+def drawn_road(name_or_path: str, seed: int) -> Scenario:
+    """A scenario with a road of our own, as a seed draws it. Raises InputError for one of highway-env's roads."""
+    drawn = load(name_or_path).draw(seed)
+    if not isinstance(drawn, Scenario):
+        raise InputError(f"scenario: expected one with a road of its own, got {name_or_path}, a road of highway-env")
+    return drawn
+
+
+def parse(text: str, file: str) -> AnyScenario:
     """The scenario that a TOML text describes; `file` is how messages call it."""
     return _checked(configuration.parse(text, file), file)
 
 
-def _checked(content: dict[str, Any], file: str) -> Scenario | RandomScenario:
+def _checked(content: dict[str, Any], file: str) -> AnyScenario:
     content = _on_base(content, file)
+    if "highway_env" in content:
+        return configuration.build(HighwayScenario, _on_its_id(content), file, also=("base",))
     if "random" in content:
         return configuration.build(RandomScenario, content, file, also=("base",))
-    return configuration.build(Scenario, content, file, also=("base", "random"))
+    return configuration.build(Scenario, content, file, also=("base", "random", "highway_env"))
 
 
 def _on_base(content: dict[str, Any], file: str) -> dict[str, Any]:
@@ -59,5 +73,15 @@ def _on_base(content: dict[str, Any], file: str) -> dict[str, Any]:
         raise InputError(f"{file}: base: expected the name of a scenario, got {base!r}")
     if base not in names():
         raise InputError(f"{file}: base: {unknown_name('scenario', base, names())}")
-    below = configuration.read("vpf_sim.scenarios.catalog", f"{base}.toml")
-    return configuration.laid_over(below, {key: value for key, value in content.items() if key != "base"})
+    return _over(base, {key: value for key, value in content.items() if key != "base"})
+
+
+def _on_its_id(content: dict[str, Any]) -> dict[str, Any]:
+    """The tables of a highway-env scenario merged over the catalog's scenario of its id."""
+    section = content["highway_env"]
+    name = section.get("id") if isinstance(section, dict) else None
+    return _over(str(name) if name in get_args(HighwayId) else "highway-v0", content)
+
+
+def _over(base: str, content: dict[str, Any]) -> dict[str, Any]:
+    return configuration.laid_over(configuration.read(CATALOG, f"{base}.toml"), content)

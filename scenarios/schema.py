@@ -42,6 +42,10 @@ class Scenario(Section):
         bodies = tuple(drawn(spec, self.vary, "bodies", f"bodies.{i}", seed) for i, spec in enumerate(self.bodies))
         return self.model_copy(update={"ego": ego, "bodies": bodies, "vary": {}})
 
+    def without_objects(self) -> "Scenario":
+        """The same road and start without objects."""
+        return self.model_copy(update={"bodies": ()})
+
 
 def drawn(part: SectionT, vary: Vary, group: str, name: str, seed: int) -> SectionT:
     """A section with uniform draws in [low, high] added to its varied values."""

@@ -23,6 +23,7 @@ Integers = NDArray[np.int64]
 Image = NDArray[np.uint8]  # (H, W, 3) RGB or (H, W) grey
 
 Privilege = Literal["none", "route", "world"]
+Turn = Literal["lane", "left", "straight", "right"]  # what to do next: keep the lane, or which way where roads part
 
 FROM_SIZE = cast(float, None)  # in the place of what follows from the size of a picture
 
@@ -144,6 +145,7 @@ class Observation:
     yaw_rate_radps: float
     goal_m: tuple[float, float]
     frame_time_s: float = nan  #: time stamp of the camera, when the image was taken; left out, it is `time_s`
+    turn: Turn = "lane"  #: the way to take where roads part, told some seconds before; else "lane"
 
     def __post_init__(self) -> None:
         if isnan(self.frame_time_s):

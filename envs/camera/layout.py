@@ -6,6 +6,7 @@ interpolates between its edges. Lanes at the network's ends are extended straigh
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 from highway_env.road.lane import AbstractLane, LineType
@@ -19,6 +20,7 @@ SAGITTA_M = 0.01  # largest deviation of a chord between two samples from the ar
 SHORTEST_STEP_M, STRAIGHT_STEP_M = 0.5, 8.0
 PROBES = 64  # samples of a lane's heading
 RUN_ON_M = 300.0  # extension of lanes beyond the network's ends
+CRACK_M = (0.001, 0.3)  # between two lanes: racetrack-v0 has one of 0.09 m
 SAME_LINE_M = 0.4  # lines nearer than this are the same line
 ROADS = 16  # whose lines and edges are kept
 
@@ -59,10 +61,11 @@ def lane_shapes(road: Road) -> list[LaneShape]:
     graph = road.network.graph
     reached = {end for ends in graph.values() for end in ends}
     return [
-        _sampled(lane, before=start not in reached, after=not graph.get(end))
+        _sampled(lane, beside, before=start not in reached, after=not graph.get(end))
         for start, ends in graph.items()
         for end, lanes in ends.items()
-        for lane in lanes
+        for beside, lane in pairwise([None, *lanes])
+        if lane is not None
     ]
 
 
@@ -192,12 +195,15 @@ def _runs(flags: Bools) -> list[slice]:
     ]
 
 
-def _sampled(lane: AbstractLane, before: bool, after: bool) -> LaneShape:
+def _sampled(lane: AbstractLane, beside: AbstractLane | None, before: bool, after: bool) -> LaneShape:
+    """A lane's shape; `beside` is the lane on its left."""
     length = float(lane.length)
     s = _stations(lane, length)
     half = np.array([0.5 * lane.width_at(float(x)) for x in s])
     left = np.array([lane.position(float(x), -w) for x, w in zip(s, half, strict=True)], float)
     right = np.array([lane.position(float(x), w) for x, w in zip(s, half, strict=True)], float)
+    if beside is not None:
+        left = np.array([_closed(point, beside) for point in left], float)
     beyond = np.arange(STRAIGHT_STEP_M, RUN_ON_M, STRAIGHT_STEP_M)
     if before:
         direction = _direction(lane, 0.0)
@@ -209,6 +215,16 @@ def _sampled(lane: AbstractLane, before: bool, after: bool) -> LaneShape:
         s = np.concatenate([s, length + beyond])
         left, right = np.concatenate([left, left[-1] + onward]), np.concatenate([right, right[-1] + onward])
     return LaneShape(s, left, right, (int(lane.line_types[0]), int(lane.line_types[1])))
+
+
+def _closed(point: Floats, beside: AbstractLane) -> Floats:
+    """A point of a lane's left edge, moved to the lane beside it over a gap that is an inaccuracy of the network."""
+    along, lateral = beside.local_coordinates(point)
+    half = 0.5 * beside.width_at(along)
+    if not (0.0 <= along <= beside.length and CRACK_M[0] < lateral - half < CRACK_M[1]):
+        return point
+    met: Floats = beside.position(along, half)
+    return met
 
 
 def _stations(lane: AbstractLane, length: float) -> Floats:

@@ -22,7 +22,7 @@ RADIUS_M = 100.0 + 5.25  # the rightmost lane in a bend to the left
 
 def route() -> Route:
     scenario = scenarios.parse(BEND, "bend.toml")
-    return Route(centre_line(scenario.road), scenario)
+    return Route.of(centre_line(scenario.road), scenario)
 
 
 def test_progress_is_the_length_of_the_lane_s_arc() -> None:

@@ -8,6 +8,7 @@ import numpy as np
 from vpf_sim import drivers
 from vpf_sim.envs.ending import Ending
 from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.envs.world import build_route
 from vpf_sim.evaluation.episode.episode import NO_FRAME, setup_for
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.types import Floats, Observation
@@ -25,7 +26,7 @@ def drive_blind(scenario: str, name: str, seed: int) -> Drive:
         env.reset(seed=seed)
         driver = drivers.create(name)
         driver.reset(setup_for(driver, env, seed))
-        ending = Ending(env.scenario, env.rate_hz, env.ego, None, ())
+        ending = Ending(env.scenario, build_route(env.scenario, seed), env.rate_hz, env.ego, None, ())
         status, rows = "running", []
         while status == "running":
             ego, time_s = env.ego, len(rows) / env.rate_hz

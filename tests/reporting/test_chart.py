@@ -159,7 +159,7 @@ def test_with_a_road_per_seed_the_map_shows_one() -> None:
 
 
 def test_commands_are_drawn_with_the_pids() -> None:
-    layout = RoadLayout(scenarios.load("straight").draw(1))
+    layout = RoadLayout(scenarios.load("straight").draw(1), 1)
     table = drive(layout, 0.0)
     svg = str(commands.charts("straight.clear.vpf.1", "d0", table).steering)
     assert len(paths_of(svg, "command d0")) == 1

@@ -14,6 +14,7 @@ from short_scenario import SHORT
 
 from vpf_sim import cli
 from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.envs.network import RoadLines
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.steps import Step, StepTable
@@ -240,8 +241,8 @@ def test_wrong_use_is_one_line(run: Path, name: str, capsys: pytest.CaptureFixtu
 def test_top_view_has_the_road_ahead_up_and_right_to_the_right() -> None:
     """A road along the world's Y axis, driven along it: what lies at larger y is ahead, what at smaller x is right."""
     along = np.arange(-50.0, 150.0, 2.0)
-    lines = tuple(np.column_stack([np.full_like(along, -right), along]) for right in (-7.0, 7.0))
-    scene = Scene(lines, lines[0], (0.0, 500.0))
+    left, right = (np.column_stack([np.full_like(along, -right), along]) for right in (-7.0, 7.0))
+    scene = Scene(RoadLines(((left, right),), (left, right), ()), left, (0.0, 500.0))
     objects = (Rectangle(-4.0, 30.0, np.pi / 2.0, 5.0, 2.0, "car"),)
     pose = np.array([0.0, 0.0, np.pi / 2.0])
     image = top_view.draw(scene, objects, np.zeros((1, 2)), pose, None, 320, 480)
@@ -258,8 +259,10 @@ def test_the_scene_equals_the_environments(driven: Path, name: str) -> None:
     with closing(FourLane(record["scenario"])) as world:
         world.reset(seed=3)
         scene = redraw.scene_of(world)
-        sides = [world.road.network.centre.local_at(*line[40])[1] for line in scene.lines_m]
-    assert sides == pytest.approx([-7.0, -3.5, 0.0, 3.5, 7.0])
+        centre, lines = world.road.network.centre, scene.lines
+        (strip,) = lines.strips_m
+        sides = [[centre.local_at(*line[40])[1] for line in found] for found in (strip, lines.solid_m, lines.dashed_m)]
+    assert np.concatenate(sides) == pytest.approx([-7.0, 7.0, -7.0, 7.0, -3.5, 0.0, 3.5])
     assert scene.goal_m == world.goal_m
 
 

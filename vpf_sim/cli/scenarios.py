@@ -16,7 +16,7 @@ from vpf_sim.cli.options import (
 from vpf_sim.cli.tables import print_table
 
 if TYPE_CHECKING:
-    from vpf_sim.scenarios import Scenario
+    from vpf_sim.scenarios import AnyScenario
 
 app = typer.Typer(help="List and show scenarios; check your own.", no_args_is_help=True, rich_markup_mode=None)
 
@@ -27,23 +27,32 @@ def list_scenarios(json: JsonOption = False) -> None:
     from vpf_sim import scenarios
 
     loaded = {name: scenarios.load(name) for name in scenarios.names()}
-    rows = [_row(name, None if isinstance(one, scenarios.RandomScenario) else one) for name, one in loaded.items()]
+    rows = [_row(name, one) for name, one in loaded.items()]
     if json:
         print_json({"scenarios": rows})
         return
     keys = ("name", "road_m", "route_m", "bodies")
-    cells = [(*("random" if r[key] is None else str(r[key]) for key in keys), str(r["summary"])) for r in rows]
+    cells = [(*(_cell(row, key) for key in keys), str(row["summary"])) for row in rows]
     print_table(("scenario", "road m", "route m", "objects", ""), cells, prose=True)
 
 
-def _row(name: str, one: "Scenario | None") -> dict[str, object]:
+def _cell(row: dict[str, object], key: str) -> str:
+    """A value of a row; a lane network has no one length."""
+    if row[key] is None:
+        return "-" if key == "road_m" and row["route_m"] is not None else "random"
+    return str(row[key])
+
+
+def _row(name: str, one: "AnyScenario") -> dict[str, object]:
     """One row of the list; None for values that the seed determines."""
     from vpf_sim import scenarios
 
     sizes: dict[str, object] = {"road_m": None, "route_m": None, "bodies": None}
-    if one is not None:
+    if isinstance(one, scenarios.Scenario):
         route_m = round(one.goal.s_m - one.ego.s_m)
         sizes = {"road_m": round(one.road.length_m), "route_m": route_m, "bodies": len(one.bodies)}
+    if isinstance(one, scenarios.HighwayScenario):
+        sizes["route_m"] = round(one.goal.route_m)
     return {"name": name, **sizes, "summary": scenarios.summary(name)}
 
 

@@ -112,6 +112,4 @@ def _above(
         for style, record, table in zip(STYLES, pair.records, tables, strict=True)
         if table is not None
     ]
-    ego, goal = layout.scenario.ego.s_m, layout.scenario.goal.s_m
-    s_m = ego + end_m if goal > ego else ego - end_m
-    return paths.zoom(layout, [layout], tracks, s_m, name(pair))
+    return paths.zoom(layout, [layout], tracks, layout.route.start_s_m + end_m, name(pair))

@@ -129,7 +129,7 @@ def flow(found: Mapping[tuple[str, str], Along]) -> bytes:
 
 
 def _road(axis: Axes, layout: RoadLayout, obstacles: Sequence[StaticObstacle]) -> None:
-    for line in layout.lane_lines_m:
+    for line in (*layout.lines.solid_m, *layout.lines.dashed_m):
         axis.plot(line[:, 0], line[:, 1], color=EDGE, linewidth=0.8)
     route = layout.route_line_m
     axis.plot(route[:, 0], route[:, 1], color=PLANNED, linestyle="--", linewidth=1.0)

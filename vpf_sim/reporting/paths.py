@@ -37,7 +37,7 @@ class Chart:
 def charts(layouts: Mapping[int, RoadLayout], tracks: Sequence[Track], title: str) -> list[Chart]:
     """The charts of one scenario in one weather; if each seed has its own road, the maps show the first seed."""
     first = layouts[min(layouts)]
-    alike = {seed: layout for seed, layout in layouts.items() if layout.scenario.road == first.scenario.road}
+    alike = {seed: layout for seed, layout in layouts.items() if layout.has_the_road_of(first)}
     one_road = len(alike) == len(layouts)
     shown = alike if one_road else {min(layouts): first}
     here = [track for track in tracks if track.seed in shown]
@@ -55,7 +55,7 @@ def charts(layouts: Mapping[int, RoadLayout], tracks: Sequence[Track], title: st
 
 def overview(layout: RoadLayout, layouts: Sequence[RoadLayout], tracks: Sequence[Track], title: str) -> Markup:
     """The carriageway and all paths in world axes, x to the right, y down."""
-    line = np.concatenate(layout.lane_lines_m)
+    line = np.concatenate([*layout.lines.solid_m, *layout.lines.dashed_m, layout.route_line_m])
     low, high = line.min(axis=0) - 6.0, line.max(axis=0) + 6.0
     margins = (40.0, 8.0, 8.0, 30.0)
     inner = WIDTH - margins[0] - margins[1]
@@ -81,10 +81,7 @@ def overview(layout: RoadLayout, layouts: Sequence[RoadLayout], tracks: Sequence
 
 def zooms(layouts: Sequence[RoadLayout]) -> list[tuple[float, str]]:
     """(s, caption) of each zoom: rows of obstacles in driving order."""
-    ego, goal = layouts[0].scenario.ego, layouts[0].scenario.goal
     spots = sorted(obstacle.s_m for obstacle in layouts[0].static_obstacles)
-    if ego.s_m > goal.s_m:
-        spots.reverse()
     rows: list[float] = []
     for s_m in spots:
         if not rows or abs(s_m - rows[-1]) > 0.5 * ZOOM_M:
@@ -163,7 +160,9 @@ def _offset_caption(layouts: Mapping[int, RoadLayout], one_road: bool) -> str:
     caption = "Offset from the lane's centre over distance, across the road enlarged; × is where an episode failed."
     if not one_road:
         return f"{caption} Each seed has its own road and obstacles, which are not drawn."
-    return f"{caption} Moving cars are not drawn." if max(layout.moving for layout in layouts.values()) else caption
+    return (
+        f"{caption} Moving cars are not drawn." if any(layout.has_traffic for layout in layouts.values()) else caption
+    )
 
 
 def _sampled(table: StepTable, every_m: float) -> Floats:
@@ -176,13 +175,13 @@ def _sampled(table: StepTable, every_m: float) -> Floats:
 
 
 def _road(plot: Plot, layout: RoadLayout, local: Turn) -> None:
-    lines = [local(line) for line in layout.lane_lines_m]
-    whole = np.concatenate([lines[0], lines[-1][::-1]])
-    plot.line(whole[:, 0], whole[:, 1], "asphalt", closed=True)
-    for line in lines[1:-1]:
-        plot.line(line[:, 0], line[:, 1], "dash")
-    for line in (lines[0], lines[-1]):
-        plot.line(line[:, 0], line[:, 1], "edge")
+    lines = layout.lines
+    for left, right in lines.strips_m:
+        whole = local(np.concatenate([left, right[::-1]]))
+        plot.line(whole[:, 0], whole[:, 1], "asphalt", closed=True)
+    for style, found in (("dash", lines.dashed_m), ("edge", lines.solid_m)):
+        for line in map(local, found):
+            plot.line(line[:, 0], line[:, 1], style)
     route = local(layout.route_line_m)
     plot.line(route[:, 0], route[:, 1], "centre")
 

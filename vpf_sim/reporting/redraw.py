@@ -10,8 +10,6 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any
 
-import numpy as np
-
 from vpf_sim import drivers
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.rectangles import solid_objects
@@ -22,9 +20,6 @@ from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.reporting.stored_run import Record, StoredRun
 from vpf_sim.reporting.top_view import Rectangle, Scene
 from vpf_sim.types import Camera, Command, Driver, Image, Observation, Plan
-
-BEYOND_M = 60.0  # drawn beyond the road's ends
-EVERY_M = 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,11 +111,7 @@ def redrawing(run: StoredRun, episode_id: str, replan: bool) -> Redrawing:
 
 def scene_of(world: FourLane) -> Scene:
     """The static scene of an environment in world axes."""
-    network = world.road.network
-    along = np.arange(-BEYOND_M, network.centre.length_m + BEYOND_M, EVERY_M)
-    lanes = round(2.0 * network.half_width_m / network.lane_width_m)
-    offsets = [-network.half_width_m + network.lane_width_m * line for line in range(lanes + 1)]
-    return Scene(tuple(network.centre.position(along, offset) for offset in offsets), world.route.copy(), world.goal_m)
+    return Scene(world.road.network.lines(), world.route.copy(), world.goal_m)
 
 
 def rectangle_of(obj: Any) -> Rectangle:

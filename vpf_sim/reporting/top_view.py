@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vpf_sim.envs.network import RoadLines
 from vpf_sim.reporting.canvas import INK, Canvas, Colour
 from vpf_sim.reporting.compass import OBSTACLE, REFERENCE, TARGET
-from vpf_sim.types import Camera, Floats, Image, Plan
+from vpf_sim.types import Bools, Camera, Floats, Image, Plan
 
 AHEAD_M = 52.0
 BEHIND_M = 14.0
@@ -44,7 +45,7 @@ class Rectangle:
 class Scene:
     """The static scene in world axes."""
 
-    lines_m: tuple[Floats, ...]  # (M, 2) each, lane lines from the left edge to the right, M points side by side
+    lines: RoadLines
     route_m: Floats  # (M, 2)
     goal_m: tuple[float, float]
 
@@ -95,18 +96,23 @@ class _View:
 
     def near(self, points_m: Floats) -> Floats:
         """The points of a polyline near the image."""
-        reach_m = 1.5 * (AHEAD_M + BEHIND_M)
-        near: Floats = points_m[np.hypot(*(points_m - self.position_m).T) < reach_m]
+        near: Floats = points_m[self.is_near(points_m)]
+        return near
+
+    def is_near(self, points_m: Floats) -> Bools:
+        """(M,) whether points are near the image."""
+        near: Bools = np.hypot(*(points_m - self.position_m).T) < 1.5 * (AHEAD_M + BEHIND_M)
         return near
 
 
 def _road(canvas: Canvas, view: _View, scene: Scene) -> None:
-    near = [view.near(line) for line in scene.lines_m]
-    left, right = view.place(near[0]), view.place(near[-1])
-    canvas.fill([np.concatenate([left, right[::-1]])], ASPHALT, 1.0)
-    for line in near[1:-1]:
+    for left, right in scene.lines.strips_m:
+        near = view.is_near(left) | view.is_near(right)
+        if near.any():
+            canvas.fill([view.place(np.concatenate([left[near], right[near][::-1]]))], ASPHALT, 1.0)
+    for line in map(view.near, scene.lines.dashed_m):
         canvas.lines(_dashes(view.place(line)), MARKING, 1)
-    canvas.lines([left, right], INK, 1)
+    canvas.lines([view.place(line) for line in map(view.near, scene.lines.solid_m) if len(line)], INK, 1)
     canvas.lines(_dashes(view.place(view.near(scene.route_m))), TARGET, 1)
 
 

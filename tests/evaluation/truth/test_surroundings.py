@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from vpf_sim.envs.rectangles import corners
 from vpf_sim.evaluation.truth import surroundings
 from vpf_sim.types import RoadEdges
 
@@ -120,6 +121,4 @@ def test_outside_is_a_corner_beyond_the_edge_and_a_lane_holds_all_four(
 ) -> None:
     s = 50.0
     ego = box(*bend.centre.position_at(s, lateral), bend.centre.heading_at(s), length=4.5, width=1.9)
-    laterals = surroundings.corner_laterals(ego, bend)
-    assert surroundings.is_outside(laterals, bend) is outside
-    assert surroundings.is_in_lane(laterals, bend) is in_lane
+    assert bend.lane_use(corners(ego), s) == (outside, in_lane)

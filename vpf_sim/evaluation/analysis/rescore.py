@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from vpf_sim import scenarios
-from vpf_sim.envs.centre_line import CentreLine
-from vpf_sim.envs.route import Route
+from vpf_sim.envs.world import build_route
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.analysis.benchmark import with_paper
@@ -65,8 +64,7 @@ def rescore(path: Path) -> Rescored:
 
 def score(job: Job, outcome: Outcome) -> Record:
     """The record of an episode from its outcome, on the scenario's route for its seed."""
-    drawn = scenarios.load(job.scenario).draw(job.seed)
-    route = Route(CentreLine(drawn.road), drawn)
+    route = build_route(scenarios.load(job.scenario).draw(job.seed), job.seed)
     return records.score(job, outcome, route.waypoints(), route.length_m)
 
 

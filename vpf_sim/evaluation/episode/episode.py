@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from vpf_sim import drivers, process_state
-from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.envs.four_lane import TURNS, FourLane
 from vpf_sim.evaluation.episode.hashing import FrameHasher
 from vpf_sim.evaluation.episode.log import StepLog
 from vpf_sim.evaluation.episode.paired import matched, pid_without_obstacles
@@ -133,4 +133,5 @@ def read(observed: dict[str, Any]) -> Observation:
     goal_m = (goal_x_m, goal_y_m)
     image = observed.get("image", NO_FRAME)
     frame_time_s = float(observed["frame_time"][0]) if "frame_time" in observed else time_s
-    return Observation(image, time_s, x_m, y_m, yaw_rad, speed_mps, yaw_rate_radps, goal_m, frame_time_s)
+    turn = TURNS[int(observed.get("turn", 0))]
+    return Observation(image, time_s, x_m, y_m, yaw_rad, speed_mps, yaw_rate_radps, goal_m, frame_time_s, turn)

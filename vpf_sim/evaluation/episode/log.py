@@ -4,7 +4,7 @@ from dataclasses import replace
 from math import hypot, nan
 from typing import Any
 
-from vpf_sim.envs.rectangles import nearest, solid_objects
+from vpf_sim.envs.rectangles import corners, nearest, solid_objects
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.truth import surroundings
 from vpf_sim.evaluation.truth.perception_errors import PerceptionErrors
@@ -28,8 +28,7 @@ class StepLog:
         ego, network = env.ego, env.road.network
         self._perception_errors.observe(observation, env)
         others, (_, near) = solid_objects(ego), nearest(ego)
-        laterals_m = surroundings.corner_laterals(ego, network)
-        in_lane = surroundings.is_in_lane(laterals_m, network)
+        lanes = network.lane_use(corners(ego), ego.place[0])
         true_left_m, true_right_m = surroundings.true_edges(ego, network)
         true_foe_x_px, true_foe_y_px = info.get("foe", NO_FOE_PX)
         self._steps.append(
@@ -43,10 +42,10 @@ class StepLog:
                 route_m=info["route_m"],
                 lane_offset_m=info["lane_offset_m"],
                 clearance_m=info["clearance_m"],
-                ttc_s=surroundings.time_to_collision(ego, others, in_lane),
+                ttc_s=surroundings.time_to_collision(ego, others, lanes.in_one_lane),
                 passing=float(surroundings.is_passing(ego, others)),
-                outside=float(surroundings.is_outside(laterals_m, network)),
-                in_lane=float(in_lane),
+                outside=float(lanes.is_outside),
+                in_lane=float(lanes.in_one_lane),
                 **({} if near is None else _nearest(ego, near)),
                 true_foe_x_px=true_foe_x_px,
                 true_foe_y_px=true_foe_y_px,

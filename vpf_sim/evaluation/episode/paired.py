@@ -12,7 +12,7 @@ from vpf_sim import drivers
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.metrics.accuracy import at_distance
 from vpf_sim.evaluation.steps import StepTable
-from vpf_sim.scenarios import Scenario
+from vpf_sim.scenarios import DrawnScenario
 from vpf_sim.types import DriverSetup, Floats, Image, Observation
 
 NO_IMAGE: Image = np.empty((0, 0, 3), np.uint8)
@@ -26,9 +26,9 @@ class PidRun(NamedTuple):
     steering: Floats
 
 
-def pid_without_obstacles(drawn: Scenario, seed: int, rate_hz: float = 60.0) -> PidRun:
+def pid_without_obstacles(drawn: DrawnScenario, seed: int, rate_hz: float = 60.0) -> PidRun:
     """Drive the PID to the goal, or until the scenario's time limit."""
-    with closing(FourLane(drawn.model_copy(update={"bodies": ()}), rate_hz=rate_hz, frames=False)) as env:
+    with closing(FourLane(drawn.without_objects(), rate_hz=rate_hz, frames=False)) as env:
         env.reset(seed=seed)
         pid = drivers.create("pid")
         pid.reset(

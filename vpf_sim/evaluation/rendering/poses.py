@@ -35,7 +35,7 @@ class Pose:
         return ScriptedDrive(scenario, path, preset(self.camera), rate_hz)
 
     def _scenario(self, lead_s: float) -> Scenario:
-        plain = scenarios.load(self.scenario).draw(SEED)
+        plain = scenarios.drawn_road(self.scenario, SEED)
         started = (_before(body, lead_s) for body in self.objects)
         road = plain.road
         if self.heading_deg is not None:
@@ -136,7 +136,7 @@ POSES = (
 
 def video_drive(rate_hz: float) -> ScriptedDrive:
     """A drive past the paper's first parked car, with traffic."""
-    plain = scenarios.load("town04").draw(SEED)
+    plain = scenarios.drawn_road("town04", SEED)
     traffic = (_body("car", 64.0, 1, speed_mps=12.0), _body("van", 95.0, 3, speed_mps=10.0))
     scenario = plain.model_copy(update={"bodies": (*plain.bodies, *traffic)})
     lane_m = scenario.road.lane_offset_m(2)

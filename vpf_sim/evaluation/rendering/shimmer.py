@@ -36,7 +36,7 @@ class Creep:
 
 def course(road: str, speed_mps: float, noise_sd: float = 0.0) -> ScriptedDrive:
     """A drive along a lane of town04 without obstacles, in its bend or on its straight."""
-    scenario = scenarios.load("town04-clean").draw(0)
+    scenario = scenarios.drawn_road("town04-clean", 0)
     offset_m = scenario.road.lane_offset_m(LANE)
     path = Path(STARTS_M[road], speed_mps, lambda _: offset_m)
     return ScriptedDrive(scenario, path, Rig(noise_sd=noise_sd))

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from math import cos, hypot, nan, sin
 from typing import Any
 
+from vpf_sim.envs.network import Network
 from vpf_sim.envs.rectangles import solid_objects, to_local
 from vpf_sim.evaluation.metrics.perception import KINDS
 from vpf_sim.types import Obstacles
@@ -43,7 +44,7 @@ class DetectionScorer:
         self._wrong: set[int] = set()  # identities of detections
         self._met: deque[tuple[float, float]] = deque()
 
-    def columns(self, reported: Obstacles, ego: Any, network: Any) -> dict[str, float]:
+    def columns(self, reported: Obstacles, ego: Any, network: Network) -> dict[str, float]:
         """Step-table columns: correct, false and new false detections in the corridor, and an object that was met.
 
         `met_kind` is the object's index in KINDS, `met_confirmed_m` the distance of its first confirmation, nan if
@@ -84,14 +85,16 @@ class DetectionScorer:
         self._wrong |= {identity} if wrong else set()
         return Detection(index, ahead_m, in_corridor, tuple(owners), tuple(passed), is_new)
 
-    def _feet(self, reported: Obstacles, ego: Any, network: Any) -> list[tuple[int, tuple[float, float], float, bool]]:
+    def _feet(
+        self, reported: Obstacles, ego: Any, network: Network
+    ) -> list[tuple[int, tuple[float, float], float, bool]]:
         """Index, foot in the world, distance ahead (m) and corridor flag of each detection ahead of the bumper."""
         feet = []
         s, lateral = ego.place
         for index in range(len(reported)):
             right = 0.5 * float(reported.left_m[index] + reported.right_m[index])
             foot = _in_world(ego, float(reported.forward_m[index]), right)
-            foot_s, foot_lateral = network.centre.local_at(*foot)
+            foot_s, foot_lateral = network.place_at(*foot, s)
             ahead_m = foot_s - s - 0.5 * ego.LENGTH
             if ahead_m > 0.0:
                 feet.append((index, foot, ahead_m, abs(foot_lateral - lateral) <= CORRIDOR_M))

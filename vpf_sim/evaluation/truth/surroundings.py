@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from vpf_sim.envs.rectangles import corners, distance, to_local
+from vpf_sim.envs.network import Network
+from vpf_sim.envs.rectangles import distance, to_local
 from vpf_sim.types import RoadEdges, VehicleModel
 
 BEFORE_M, AFTER_M = 25.0, 15.0  # the part of a route that counts as passing an obstacle
@@ -76,33 +77,23 @@ def bumper_gap_m(ego: Any, obj: Any) -> float:
     return distance(bumper, obj)
 
 
-def corner_laterals(ego: Any, network: Any) -> list[float]:
-    """Lateral positions of the ego's corners, m right of the carriageway's centre."""
-    return [network.centre.local_at(x, y)[1] for x, y in corners(ego)]
+def true_edges(ego: Any, network: Network) -> tuple[float, float]:
+    """(left, right) offsets, m, of the carriageway's edges from the point AHEAD_M ahead of the ego; left < 0.
+
+    nan where the road has no edge there, as at a junction.
+    """
+    return network.edges_at(*_ahead(ego), ego.heading)
 
 
-def is_outside(laterals_m: Iterable[float], network: Any) -> bool:
-    """Whether a corner is beyond an edge of the carriageway."""
-    return any(abs(lateral) > network.half_width_m for lateral in laterals_m)
+def true_lane(ego: Any, network: Network, offset_m: float) -> float:
+    """Offset, m, from that point to the centre of the lane that lies `offset_m` right of the reference line."""
+    return offset_m - network.place_at(*_ahead(ego), ego.place[0] + AHEAD_M)[1]
 
 
-def is_in_lane(laterals_m: Iterable[float], network: Any) -> bool:
-    """Whether all corners are in one lane, nuPlan's condition for no fault in a lateral collision."""
-    laterals_m = list(laterals_m)
-    return not is_outside(laterals_m, network) and len({network.lane_at(lateral) for lateral in laterals_m}) == 1
-
-
-def true_edges(ego: Any, network: Any) -> tuple[float, float]:
-    """(left, right) offsets, m, of the carriageway's edges from the point AHEAD_M ahead of the ego; left < 0."""
+def _ahead(ego: Any) -> tuple[float, float]:
+    """m, the point AHEAD_M ahead of the ego."""
     x, y = ego.position.tolist()
-    lateral = network.centre.local_at(x + AHEAD_M * cos(ego.heading), y + AHEAD_M * sin(ego.heading))[1]
-    return -network.half_width_m - lateral, network.half_width_m - lateral
-
-
-def true_lane(ego: Any, network: Any, offset_m: float) -> float:
-    """Offset, m, from that point to the centre of the lane that lies `offset_m` right of the road's centre."""
-    middle_m: float = true_edges(ego, network)[0] + network.half_width_m + offset_m
-    return middle_m
+    return x + AHEAD_M * cos(ego.heading), y + AHEAD_M * sin(ego.heading)
 
 
 def perceived_edges(road: RoadEdges) -> tuple[float, float]:

@@ -70,7 +70,7 @@ def _single_factors() -> list[Factor]:
 
 def drive(traffic: bool = True) -> ScriptedDrive:
     """From town04's first bend past its second obstacle, with overtaking traffic and a parked truck ahead."""
-    scenario = scenarios.load("town04").draw(0)
+    scenario = scenarios.drawn_road("town04", 0)
     lane_m = scenario.road.lane_offset_m(2)
     bodies = [*scenario.bodies, ObjectSpec(kind="truck", s_m=205.0, lane=2)]
     if traffic:

@@ -1,0 +1,161 @@
+"""Scenarios on the roads of highway-env's own environments, with its traffic."""
+
+from collections.abc import Iterator
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from vpf_sim.scenarios.parts import (
+    FASTEST_MPS,
+    MOST_ROAD_M,
+    CameraName,
+    Lanes,
+    Limits,
+    Section,
+    SensorFaults,
+    Sensors,
+    Share,
+    Speed,
+)
+
+HighwayId = Literal[
+    "highway-v0",
+    "highway-fast-v0",
+    "merge-v0",
+    "exit-v0",
+    "roundabout-v0",
+    "two-way-v0",
+    "lane-keeping-v0",
+    "racetrack-v0",
+    "u-turn-v0",
+    "intersection-v1",
+]
+TrafficModel = Literal[
+    "highway_env.vehicle.behavior.IDMVehicle",
+    "highway_env.vehicle.behavior.LinearVehicle",
+    "highway_env.vehicle.behavior.AggressiveVehicle",
+    "highway_env.vehicle.behavior.DefensiveVehicle",
+]
+Cars = Annotated[int, Field(ge=0, le=200)]
+
+ANY_TRAFFIC = ("other_vehicles_type", "neighbour_vehicles_connected_lanes")
+MANY_CARS = ("lanes_count", "vehicles_count", "vehicles_density", "ego_spacing", *ANY_TRAFFIC)
+CONFIG_KEYS: dict[HighwayId, tuple[str, ...]] = {
+    "highway-v0": (*MANY_CARS, "initial_lane_id"),
+    "highway-fast-v0": (*MANY_CARS, "initial_lane_id"),
+    "merge-v0": ANY_TRAFFIC,
+    "exit-v0": MANY_CARS,
+    "roundabout-v0": ("incoming_vehicle_destination", *ANY_TRAFFIC),
+    "two-way-v0": ANY_TRAFFIC,
+    "lane-keeping-v0": (),
+    "racetrack-v0": ("other_vehicles", "neighbour_vehicles_connected_lanes"),
+    "u-turn-v0": ANY_TRAFFIC,
+    "intersection-v1": ("destination", "initial_vehicle_count", "spawn_probability", *ANY_TRAFFIC),
+}
+OWN_LANES = {"highway-v0": 4, "highway-fast-v0": 3}  # highway-env's lanes_count
+
+
+class HighwayConfig(Section):
+    """Keys of highway-env's configuration that change road or traffic; none: highway-env's own value.
+
+    Each environment has some of them. Rewards, actions, observations and rendering of highway-env are not used.
+    """
+
+    lanes_count: Lanes | None = Field(default=None, description="of the carriageway")
+    vehicles_count: Cars | None = Field(default=None, description="other cars")
+    vehicles_density: Annotated[float, Field(gt=0.0, le=10.0)] | None = Field(
+        default=None, description="> 1 brings the other cars closer together"
+    )
+    ego_spacing: Annotated[float, Field(ge=0.0, le=10.0)] | None = Field(
+        default=None, description="gap before the ego, as a multiple of the usual one"
+    )
+    initial_lane_id: Annotated[int, Field(ge=0)] | None = Field(
+        default=None, description="the ego's lane, 0 is the leftmost; drawn by default"
+    )
+    other_vehicles_type: TrafficModel | None = Field(default=None, description="class of the other cars")
+    other_vehicles: Cars | None = Field(default=None, description="other cars")
+    neighbour_vehicles_connected_lanes: bool | None = Field(
+        default=None, description="true: cars also heed those on the next and the previous road"
+    )
+    incoming_vehicle_destination: Annotated[int, Field(ge=0, le=2)] | None = Field(
+        default=None, description="0 east, 1 south, 2 north; drawn by default"
+    )
+    destination: Literal["o1", "o2", "o3", "random"] | None = Field(
+        default=None, description="o1 turns left, o2 goes straight on, o3 turns right"
+    )
+    initial_vehicle_count: Cars | None = Field(default=None, description="cars at the start, at most")
+    spawn_probability: Share | None = Field(default=None, description="of a new car in each second")
+
+    def given(self) -> dict[str, object]:
+        """The keys with a value."""
+        return {key: value for key, value in self if value is not None}
+
+
+class HighwayEnv(Section):
+    """An environment of highway-env: its road, its traffic, and where its ego starts."""
+
+    id: HighwayId
+    config: HighwayConfig = HighwayConfig()
+    traffic: bool = Field(default=True, description="false: an empty road")
+
+
+class HighwayEgo(Section):
+    """The ego of a highway-env road; place, heading and speed at the start are highway-env's."""
+
+    camera: CameraName = Field(default="default", description="640 x 480 pixels over 90 deg, or another camera")
+    sensors: Sensors = Sensors()
+    sensor_faults: SensorFaults = SensorFaults()
+    speed_mps: Speed | None = Field(default=None, description="at the start; none: highway-env's")
+    speed_reference_mps: Annotated[float, Field(gt=0.0, le=FASTEST_MPS)] = Field(description="to drive at")
+
+
+class HighwayGoal(Section):
+    route_m: Annotated[float, Field(gt=0.0, le=MOST_ROAD_M / 2.0)] = Field(
+        description="along the route; the goal is nearer where the lanes end before"
+    )
+    kind: Literal["reach"] = Field(default="reach", description="cross its line")
+
+
+class HighwayScenario(Section):
+    """A scenario file with a section `highway_env` in place of `road` and `bodies`.
+
+    It is laid over the catalog's scenario of its id. The seed is highway-env's: it draws the traffic and the start.
+    """
+
+    version: Literal[1] = Field(alias="schema")
+    highway_env: HighwayEnv
+    ego: HighwayEgo
+    goal: HighwayGoal
+    limits: Limits | None = None
+
+    @model_validator(mode="after")
+    def _fit_together(self) -> Self:
+        found = list(self._faults())
+        if found:
+            raise ValueError("\n".join(found))
+        return self
+
+    def _faults(self) -> Iterator[str]:
+        name, given = self.highway_env.id, self.highway_env.config.given()
+        known = CONFIG_KEYS[name]
+        for key in given.keys() - set(known):
+            yield f"highway_env.config.{key}: expected a key of {name} ({', '.join(known) or 'it has none'}), got {key}"
+        lane, lanes = given.get("initial_lane_id"), given.get("lanes_count", OWN_LANES.get(name, 0))
+        if name in OWN_LANES and isinstance(lane, int) and isinstance(lanes, int) and lane >= lanes:
+            yield f"highway_env.config.initial_lane_id: expected 0 to {lanes - 1}, the rightmost lane, got {lane}"
+
+    @property
+    def time_limit_s(self) -> float:
+        """s, time limit; by default three times the route's duration at the reference speed."""
+        if self.limits is not None:
+            return self.limits.time_s
+        return 3.0 * self.goal.route_m / self.ego.speed_reference_mps
+
+    def draw(self, seed: int) -> "HighwayScenario":  # noqa: ARG002
+        """The scenario itself: highway-env draws traffic and start when the world is built."""
+        return self
+
+    def without_objects(self) -> "HighwayScenario":
+        """The same road and start without traffic and obstacles."""
+        empty = self.highway_env.model_copy(update={"traffic": False})
+        return self.model_copy(update={"highway_env": empty})
