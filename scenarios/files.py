@@ -7,6 +7,7 @@ from typing import Any
 
 from vpf_sim import configuration
 from vpf_sim.errors import InputError, unknown_name
+from vpf_sim.scenarios.opendrive import road_table
 from vpf_sim.scenarios.random_road import RandomScenario
 from vpf_sim.scenarios.schema import Scenario
 
@@ -44,10 +45,18 @@ def parse(text: str, file: str) -> Scenario | RandomScenario:
 
 
 def _checked(content: dict[str, Any], file: str) -> Scenario | RandomScenario:
-    content = _on_base(content, file)
+    content = _on_base(_with_map(content, file), file)
     if "random" in content:
         return configuration.build(RandomScenario, content, file, also=("base",))
     return configuration.build(Scenario, content, file, also=("base", "random"))
+
+
+def _with_map(content: dict[str, Any], file: str) -> dict[str, Any]:
+    """The tables of a file with the road of its OpenDRIVE map, if it names one."""
+    road = content.get("road")
+    if not isinstance(road, dict) or "opendrive" not in road:
+        return content
+    return {**content, "road": road_table(road, file)}
 
 
 def _on_base(content: dict[str, Any], file: str) -> dict[str, Any]:
