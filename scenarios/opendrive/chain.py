@@ -1,7 +1,8 @@
 """Pieces of curve as one chain of segments without kinks, within a centimetre of the true curve.
 
 A map's geometries continue only to some digits. Each piece is turned and scaled so that it ends where the true curve
-does, so gaps do not add up. A turn that moves the end by less than `SLACK_M` is left out, any other is a short arc.
+does, so gaps do not add up. A turn that moves the end by less than `SLACK_M` is left out. Any other is spread over a
+short beginning of the piece.
 """
 
 import math
@@ -16,8 +17,8 @@ from vpf_sim.scenarios.opendrive.pieces import Element, Piece, points_along
 TOLERANCE_M = 0.01  # of the finished chain
 SLACK_M = 0.002
 MOST_KINK_RAD = 0.02
-KINK_SHIFT_M = 0.002  # a corner is rounded by as long an arc as moves the line by this
-WIDEST_KINK_M = 1000.0  # radius of the arc
+KINK_SHIFT_M = 0.002  # a corner is spread so far that it moves the line by this
+WIDEST_KINK_M = 1000.0  # radius
 LEAST_RATIO = 0.01
 STRAIGHT_PER_M = 1e-10
 SAME_PER_M = 1e-9
@@ -42,26 +43,31 @@ class Chain:
     def add(self, piece: Piece) -> None:
         """Go on to the end of a piece."""
         begin_m, goal = self.length_m, complex(piece.points[-1])
-        kink = self._aim(piece, goal)
+        elements = list(piece.elements)
+        kink = self._aim(elements, goal)
         if abs(kink) * abs(goal - self._point) > SLACK_M:
-            self._append([self._corner(kink)])
-        way = _way(piece.elements)
+            corner, elements[0] = self._corner(kink, elements[0])
+            self._append([corner])
+        way = _way(elements)
         direction = complex(np.exp(1j * (self._heading + np.angle(way))))
         ratio = ((goal - self._point) * direction.conjugate()).real / abs(way)
         if ratio > LEAST_RATIO:  # else a map's digits are larger than the piece
-            self._append([one._replace(length_m=one.length_m * ratio) for one in piece.elements])
+            self._append([one._replace(length_m=one.length_m * ratio) for one in elements])
         self._truth.append((piece, begin_m, self.length_m))
 
-    def _aim(self, piece: Piece, goal: complex) -> float:
-        """The turn, rad, after which a piece leads to the goal; no more than a map's digits explain."""
-        way = _way(piece.elements)
-        turn = wrap_angle(np.angle(goal - self._point) - np.angle(way) - self._heading)
+    def _aim(self, elements: Sequence[Element], goal: complex) -> float:
+        """The turn, rad, after which elements lead to the goal; no more than a map's digits explain."""
+        turn = wrap_angle(np.angle(goal - self._point) - np.angle(_way(elements)) - self._heading)
         return min(max(turn, -MOST_KINK_RAD), MOST_KINK_RAD)
 
-    def _corner(self, kink_rad: float) -> Element:
-        radius_m = min(2.0 * KINK_SHIFT_M / kink_rad**2, WIDEST_KINK_M)
-        curvature = math.copysign(1.0 / max(radius_m, 2.0 * self._half_width_m), kink_rad)
-        return Element(kink_rad / curvature, curvature, curvature)
+    def _corner(self, kink_rad: float, whole: Element) -> tuple[Element, Element]:
+        """An element's beginning with a kink spread over it, and the rest of the element."""
+        radius_m = max(min(2.0 * KINK_SHIFT_M / kink_rad**2, WIDEST_KINK_M), 2.0 * self._half_width_m)
+        length_m = min(radius_m * abs(kink_rad), 0.5 * whole.length_m)
+        bend = kink_rad / length_m
+        cut = whole.first_per_m + (whole.last_per_m - whole.first_per_m) * length_m / whole.length_m
+        corner = Element(length_m, whole.first_per_m + bend, cut + bend)
+        return corner, Element(whole.length_m - length_m, cut, whole.last_per_m)
 
     def _append(self, elements: Sequence[Element]) -> None:
         self._point += complex(np.exp(1j * self._heading)) * _way(elements)

@@ -20,7 +20,7 @@ def segments(elements: Iterable[Element]) -> list[Segment]:
 
 def _segment(element: Element) -> Segment:
     length_m, first, last = element
-    length = {"length_m": round(length_m, LENGTH_DIGITS)}
+    length = {"length_m": round(float(length_m), LENGTH_DIGITS)}
     if first != last:
         end = {"end_radius_m": _radius(last)} if last != 0.0 else {}
         return {"kind": "clothoid", **length, **end}
