@@ -107,8 +107,8 @@ def read_geometry(element: Element, where: str) -> Geometry:
     start = complex(x, y)
     shape = next((child for child in element if child.tag in KINDS), None)
     if shape is None:
-        tags = ", ".join(child.tag for child in element) or "none"
-        raise InputError(f"{where}: expected one of {', '.join(KINDS)}, got {shown(tags)}")
+        tags = shown(", ".join(child.tag for child in element)) if len(element) else "none"
+        raise InputError(f"{where}: expected one of {', '.join(KINDS)}, got {tags}")
     where = f"{where}.{shape.tag}"
     if shape.tag == "poly3":
         left = np.polynomial.Polynomial([number(shape, key, where) for key in "abcd"])

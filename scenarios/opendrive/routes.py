@@ -32,7 +32,9 @@ def find_route(network: Network, wanted: OpenDriveRoad, file: str) -> Route:
         return _shortest(network, starts, ids[1], f"{file}: road.to")
     found = _along(network, starts, ids[1:], file)
     if len(found) > 1:
-        raise InputError(f"{file}: road.direction: expected forward or backward, as the route can be driven both ways")
+        raise InputError(
+            f"{file}: road.direction: expected forward or backward, as the route can be driven both ways, got none"
+        )
     return found[0]
 
 
@@ -45,7 +47,10 @@ def _starts(network: Network, name: str, direction: str | None, where: str) -> l
         raise InputError(f"{road.where}: lanes: expected a driving lane along the whole road, got none")
     chosen = [leg for leg in drivable if direction in (None, "forward" if leg.forward else "backward")]
     if not chosen:
-        raise InputError(f"{where}.direction: expected the only one of road {name} with driving lanes, got {direction}")
+        other = "forward" if direction == "backward" else "backward"
+        raise InputError(
+            f"{where}.direction: expected {other}, as road {name} has no driving lanes the other way, got {direction}"
+        )
     return [_extended(Route((), ()), leg, None) for leg in chosen]
 
 
@@ -109,5 +114,5 @@ def _shortest(network: Network, starts: Sequence[Route], to: str, where: str) ->
                 front.append(route)
     ids = [start.legs[0].road.id for start in starts]
     raise InputError(
-        f"{where}: expected a road that a lane leads to from road {ids[0]}, without lane changes, got {to}"
+        f"{where}: expected a road that a lane leads to from road {ids[0]}, without lane changes, got {to!r}"
     )
