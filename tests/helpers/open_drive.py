@@ -121,9 +121,9 @@ def write_map(folder: Path, *elements: str) -> Path:
     return path
 
 
-def write_scenario(folder: Path, keys: str, goal_m: float = 20.0, more: str = "") -> Path:
+def write_scenario(folder: Path, keys: str, goal_m: float = 20.0, ego: str = "lane = 1") -> Path:
     """A scenario on the map of the folder, or of another path in `keys`."""
     file = "" if "opendrive" in keys else 'opendrive = "map.xodr"\n'
     path = folder / "scenario.toml"
-    path.write_text(f"schema = 1\n[road]\n{file}{keys}\n[ego]\nlane = 1\n[goal]\ns_m = {goal_m}\n{more}", "utf-8")
+    path.write_text(f"schema = 1\n[road]\n{file}{keys}\n[ego]\n{ego}\n[goal]\ns_m = {goal_m}\n", "utf-8")
     return path

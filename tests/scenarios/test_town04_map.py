@@ -1,5 +1,6 @@
 """Roads of CARLA's Town04, read from its OpenDRIVE file, against an independent evaluation of the file."""
 
+import re
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -25,7 +26,7 @@ def roads() -> dict[str, ET.Element]:
 
 def loaded(folder: Path, keys: str, goal_m: float = 12.0) -> Scenario:
     """A scenario on Town04."""
-    path = write_scenario(folder, f"opendrive = '{town04()}'\n{keys}", goal_m, "[limits]\ntime_s = 300.0\n")
+    path = write_scenario(folder, f"opendrive = '{town04()}'\n{keys}", goal_m)
     scenario = scenarios.load(str(path))
     assert isinstance(scenario, Scenario)
     return scenario
@@ -111,15 +112,21 @@ def test_the_fewest_roads_between_two_are_found(tmp_path: Path) -> None:
     assert made.road == loaded(tmp_path, f"route = {[*ROUTE]}").road
 
 
+def test_the_examples_of_the_page_are_valid(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "opendrive.md").read_text("utf-8")
+    examples = re.findall(r"^```toml\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    for example in examples:
+        assert '"Town04.xodr"' in example
+        (tmp_path / "example.toml").write_text(example.replace('"Town04.xodr"', f"'{town04()}'"), "utf-8")
+        assert scenarios.load(str(tmp_path / "example.toml"))
+    assert examples
+
+
 def test_the_pid_drives_along_three_roads(roads: dict[str, ET.Element], tmp_path: Path) -> None:
-    """From 40 m before the end of one road, along the shortest of all second ones, into the third."""
-    first, second = float(roads["41"].get("length", 0)), float(roads["6"].get("length", 0))
-    path = write_scenario(
-        tmp_path, f'opendrive = \'{town04()}\'\nroute = ["41", "6", "45"]\ndirection = "forward"', 12.0
-    )
-    start_m = first - 40.0
-    text = path.read_text("utf-8").replace("lane = 1", f"lane = 2\ns_m = {start_m}")
-    path.write_text(text.replace("s_m = 12.0", f"s_m = {first + second + 20.0}"), "utf-8")
+    """From 40 m before the end of the first to 20 m beyond the second."""
+    first, second = (float(roads[name].get("length", 0)) for name in ("41", "6"))
+    keys = f'opendrive = \'{town04()}\'\nroute = ["41", "6", "45"]\ndirection = "forward"'
+    path = write_scenario(tmp_path, keys, goal_m=first + second + 20.0, ego=f"lane = 2\ns_m = {first - 40.0}")
     episode = vpf_sim.drive(str(path), driver="pid")
     assert episode.status == "success"
     assert episode.steps["lane_offset_m"].abs().max() < 0.5
