@@ -20,7 +20,7 @@ SAMPLE_M = 1.0
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """The part of a section where all polynomials stay the same."""
+    """The part of a section where geometry, polynomials and marks stay the same."""
 
     leg: Leg
     section: LaneSection
@@ -36,8 +36,7 @@ class Stretch:
 
     def centre(self) -> Cubic:
         """How far the carriageway's centre is left of the reference line."""
-        middle = self.low_m
-        offset = Cubic(middle, 0.0).plus(valid_at(self.leg.road.lane_offsets, self._inside_m), 1.0)
+        offset = Cubic(self.low_m, 0.0).plus(valid_at(self.leg.road.lane_offsets, self._inside_m), 1.0)
         sign = 1.0 if self.leg.is_left else -1.0
         inner = min(map(abs, self.lanes))
         for lane in self.section.lanes:
@@ -92,10 +91,11 @@ def _least_width(sections: Sequence[tuple[Leg, LaneSection]], track: Sequence[in
 
 
 def _stretches(leg: Leg, section: LaneSection, lanes: tuple[int, ...]) -> Iterator[Stretch]:
-    """A section cut where a polynomial or a geometry begins, in the order of the drive."""
+    """A section cut where a geometry, a polynomial or a mark begins, in the order of the drive."""
     road = leg.road
     starts = {one.s_m for one in road.geometries} | {one.s_m for one in road.lane_offsets}
     starts |= {width.s_m for lane in section.lanes.values() for width in lane.widths}
+    starts |= {mark.s_m for lane in section.lanes.values() for mark in lane.marks}
     inside = sorted(s for s in starts if section.s_m + 1e-6 < s < section.end_m - 1e-6)
     cuts = [section.s_m, *inside, section.end_m]
     parts = [Stretch(leg, section, low, high, lanes) for low, high in pairwise(cuts)]

@@ -79,7 +79,7 @@ class Chain:
         for piece, begin_m, end_m in self._truth:
             along = begin_m + piece.distance_m * (end_m - begin_m) / piece.distance_m[-1]
             apart = np.abs(points_along(tuple(elements), self.start, self.heading_rad, along) - piece.points)
-            if apart.max() > TOLERANCE_M:
+            if not apart.max() <= TOLERANCE_M:
                 place = piece.points[int(apart.argmax())]
                 raise InputError(
                     f"{piece.where}: planView: expected a line that goes on within {TOLERANCE_M:g} m, "

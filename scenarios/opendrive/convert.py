@@ -4,6 +4,8 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from vpf_sim.configuration import build
 from vpf_sim.errors import InputError
 from vpf_sim.scenarios.opendrive import chain, segments
@@ -23,13 +25,17 @@ def road_table(table: dict[str, Any], file: str) -> dict[str, Any]:
     """The keys of `Road` for a table that names a map; `file` is the scenario's. Raises InputError."""
     wanted = build(OpenDriveFile, {"road": table}, file).road
     network = Network(Path(file).parent / wanted.opendrive, f"{file}: road.opendrive")
-    lanes = carriageway(find_route(network, wanted, file))
+    with np.errstate(all="ignore"):  # numbers of no road are found where they are used
+        return _table(carriageway(find_route(network, wanted, file)), table.get("look", {}))
+
+
+def _table(lanes: Carriageway, own_look: dict[str, Any]) -> dict[str, Any]:
     return {
         "lanes": lanes.lanes,
         "lane_width_m": lanes.lane_width_m,
         "oncoming_lanes": 0,
         **_centre_line(lanes),
-        "look": {**look(lanes), **table.get("look", {})},
+        "look": {**look(lanes), **own_look},
     }
 
 

@@ -14,6 +14,8 @@ from vpf_sim.types import Floats
 
 PANELS = 16
 NEWTON_STEPS = 30
+MOST_TURN_RAD = 100.0  # of a geometry
+MOST_STRETCH = 0.1
 KINDS = ("line", "arc", "spiral", "poly3", "paramPoly3")
 
 
@@ -117,14 +119,20 @@ def read_geometry(element: Element, where: str) -> Geometry:
         along, left = (np.polynomial.Polynomial([number(shape, key + axis, where) for key in "abcd"]) for axis in "UV")
         end = length_m if shape.get("pRange") == "arcLength" else 1.0
         stretch = float(_arc_length(along, left, np.array(end))) / length_m
-        if not stretch > 0.0:
-            raise InputError(f"{where}: expected a curve, got a point")
+        if not abs(stretch - 1.0) <= MOST_STRETCH:
+            raise InputError(
+                f"{where}: expected a curve of its geometry's length {length_m:g} m, got {stretch * length_m:g} m"
+            )
         return Polynomial(s_m, length_m, start, heading, along, left, end, stretch)
     first, last = 0.0, 0.0
     if shape.tag == "arc":
         first = last = number(shape, "curvature", where)
     if shape.tag == "spiral":
         first, last = number(shape, "curvStart", where), number(shape, "curvEnd", where)
+    if max(abs(first), abs(last)) * length_m > MOST_TURN_RAD:
+        raise InputError(
+            f"{where}: expected a turn of up to {MOST_TURN_RAD:g} rad, got curvatures of {first:g} and {last:g} 1/m"
+        )
     return Clothoid(s_m, length_m, start, heading, first, (last - first) / length_m)
 
 

@@ -11,6 +11,9 @@ from vpf_sim.scenarios.opendrive.cubics import Cubic, read_cubics
 from vpf_sim.scenarios.opendrive.geometry import Geometry, read_geometry
 from vpf_sim.scenarios.opendrive.lanes import LaneSection, read_section
 from vpf_sim.scenarios.opendrive.xml_file import Element, integer, number
+from vpf_sim.scenarios.parts import MOST_ROAD_M
+
+START_M = 0.01  # of s: a first section may begin so far from 0
 
 
 class Link(NamedTuple):
@@ -48,6 +51,12 @@ class MapRoad:
         ]
         if not found:
             raise InputError(f"{self.where}: planView: expected one or more geometries with a length, got none")
+        starts = [one.s_m for one in found]
+        if starts[0] < 0.0 or starts != sorted(starts) or found[-1].s_m + found[-1].length_m > MOST_ROAD_M:
+            raise InputError(
+                f"{self.where}: planView: expected geometries with s that grows from 0 to {MOST_ROAD_M:g} m at most, "
+                f"got {shown(starts)}"
+            )
         return found
 
     @property
@@ -65,10 +74,14 @@ class MapRoad:
         where = f"{self.where}: lanes.laneSection"
         starts = [number(one, "s", f"{where}[{i}]") for i, one in enumerate(elements)]
         ends = [*starts[1:], self.length_m]
-        if not elements or any(start >= end for start, end in zip(starts, ends, strict=True)):
+        if (
+            not elements
+            or abs(starts[0]) > START_M
+            or any(start >= end for start, end in zip(starts, ends, strict=True))
+        ):
             raise InputError(
                 f"{self.where}: lanes: expected sections with s that grows from 0 to the road's length "
-                f"{self.length_m:g}, got {shown([*starts])}"
+                f"{self.length_m:g}, got {shown(starts)}"
             )
         return [
             read_section(one, start, end, f"{where}[{i}]")

@@ -15,6 +15,7 @@ from vpf_sim.types import Floats
 CLOSE_M = 0.001  # largest distance of a piece from the curve
 MOST_TURN_RAD = 1.0
 SAMPLE_M = 1.0
+MOST_SAMPLES = 200
 LEAST_M = 0.01  # of s: a curve that is no clothoid even there is not smooth
 SAME_TURN_RAD = 1e-9
 
@@ -39,10 +40,13 @@ class Piece:
 
     @property
     def is_close(self) -> bool:
+        """Whether the clothoids turn little and are within a millimetre of the curve."""
+        bend = sum(max(abs(one.first_per_m), abs(one.last_per_m)) * one.length_m for one in self.elements)
+        if not bend <= MOST_TURN_RAD:  # nor not a number
+            return False
         start = self.points[0], self.heading_rad
-        turn = sum(0.5 * (one.first_per_m + one.last_per_m) * one.length_m for one in self.elements)
         apart = np.abs(points_along(self.elements, *start, self.distance_m) - self.points)
-        return abs(turn) <= MOST_TURN_RAD and bool(apart.max() <= CLOSE_M)
+        return bool(apart.max() <= CLOSE_M)
 
 
 def pieces(span: Span) -> Iterator[Piece]:
@@ -60,7 +64,7 @@ def pieces(span: Span) -> Iterator[Piece]:
 
 def _fit(span: Span) -> Piece:
     """Two clothoids of half the span's length, or one if it has the same turn."""
-    count = max(4, math.ceil(abs(span.last_m - span.first_m) / SAMPLE_M))
+    count = min(max(4, math.ceil(abs(span.last_m - span.first_m) / SAMPLE_M)), MOST_SAMPLES)
     s = np.linspace(span.first_m, span.last_m, count + 1)
     step = abs(s[1] - s[0])
     inside = span.at(s[:-1, None] + (s[1] - s[0]) * NODES)

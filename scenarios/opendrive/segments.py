@@ -46,5 +46,5 @@ def elements(tables: Iterable[Segment]) -> Iterator[Element]:
 
 
 def tightest_m(elements: Iterable[Element]) -> float:
-    """The least radius of a chain."""
-    return 1.0 / max(max(abs(one.first_per_m), abs(one.last_per_m), SAME_PER_M) for one in elements)
+    """The least radius of a chain; a large one where it is straight."""
+    return 1.0 / max([SAME_PER_M, *(abs(k) for one in elements for k in one[1:])])

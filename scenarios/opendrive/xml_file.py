@@ -8,6 +8,7 @@ from pathlib import Path
 from vpf_sim.errors import InputError, shown
 
 Element = ET.Element
+LARGEST = 1e9  # no number of a map is larger: coordinates are metres
 
 
 def read(path: Path, where: str) -> Element:
@@ -47,8 +48,10 @@ def number(element: Element, key: str, where: str, default: float | None = None)
         value = float(text or "")
     except ValueError:
         value = math.nan
-    if not math.isfinite(value):
-        raise InputError(f"{where}.{key}: expected a number, got {'none' if text is None else shown(text)}")
+    if not abs(value) <= LARGEST:
+        raise InputError(
+            f"{where}.{key}: expected a number up to {LARGEST:g}, got {'none' if text is None else shown(text)}"
+        )
     return value
 
 
@@ -58,4 +61,5 @@ def integer(element: Element, key: str, where: str) -> int:
     try:
         return int(text or "")
     except ValueError:
-        raise InputError(f"{where}.{key}: expected an integer, got {'none' if text is None else shown(text)}") from None
+        got = "none" if text is None else shown(text)
+        raise InputError(f"{where}.{key}: expected an integer, got {got}") from None

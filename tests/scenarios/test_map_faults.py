@@ -10,6 +10,7 @@ from vpf_sim.errors import InputError
 
 LANES = xodr.section(xodr.lane(-1), xodr.lane(-2))
 ROAD = xodr.road("45", xodr.geometry("<line/>", 60.0), LANES)
+NUMBER = "expected a number up to 1e+09"
 BOMB = (
     "<?xml version='1.0'?><!DOCTYPE x [<!ENTITY a 'aaaaaaaaaa'><!ENTITY b '&a;&a;&a;&a;&a;&a;&a;&a;'>]>"
     "<OpenDRIVE>&b;</OpenDRIVE>"
@@ -82,9 +83,28 @@ def test_a_file_that_is_no_map_is_refused(text: str | bytes, line: str, tmp_path
 @pytest.mark.parametrize(
     ("road", "line"),
     [
-        (ROAD.replace('hdg="0.0"', 'hdg="north"'), "planView.geometry[0].hdg: expected a number, got 'north'"),
-        (ROAD.replace('hdg="0.0"', 'hdg="nan"'), "planView.geometry[0].hdg: expected a number, got 'nan'"),
-        (ROAD.replace('hdg="0.0"', ""), "planView.geometry[0].hdg: expected a number, got none"),
+        (
+            ROAD.replace('hdg="0.0"', 'hdg="north"'),
+            f"planView.geometry[0].hdg: {NUMBER}, got 'north'",
+        ),
+        (ROAD.replace('hdg="0.0"', 'hdg="nan"'), f"planView.geometry[0].hdg: {NUMBER}, got 'nan'"),
+        (
+            ROAD.replace('hdg="0.0"', 'hdg="1e300"'),
+            f"planView.geometry[0].hdg: {NUMBER}, got '1e300'",
+        ),
+        (
+            ROAD.replace('s="0.0" x', 's="1e9" x'),
+            "planView: expected geometries with s that grows from 0 to 20000 m at most, got [1000000000.0]",
+        ),
+        (
+            ROAD.replace("<line/>", '<spiral curvStart="0" curvEnd="5"/>'),
+            "planView.geometry[0].spiral: expected a turn of up to 100 rad, got curvatures of 0 and 5 1/m",
+        ),
+        (
+            ROAD.replace("<line/>", '<paramPoly3 aU="0" bU="6" cU="0" dU="0" aV="0" bV="0" cV="0" dV="0"/>'),
+            "planView.geometry[0].paramPoly3: expected a curve of its geometry's length 60 m, got 6 m",
+        ),
+        (ROAD.replace('hdg="0.0"', ""), f"planView.geometry[0].hdg: {NUMBER}, got none"),
         (
             ROAD.replace("<line/>", "<bezier/>"),
             "planView.geometry[0]: expected one of line, arc, spiral, poly3, paramPoly3, got 'bezier'",
@@ -93,7 +113,10 @@ def test_a_file_that_is_no_map_is_refused(text: str | bytes, line: str, tmp_path
             ROAD.replace("<line/>", ""),
             "planView.geometry[0]: expected one of line, arc, spiral, poly3, paramPoly3, got none",
         ),
-        (ROAD.replace("<line/>", "<arc/>"), "planView.geometry[0].arc.curvature: expected a number, got none"),
+        (
+            ROAD.replace("<line/>", "<arc/>"),
+            f"planView.geometry[0].arc.curvature: {NUMBER}, got none",
+        ),
         (
             ROAD.replace('length="60.0"', 'length="0"'),
             "planView: expected one or more geometries with a length, got none",
