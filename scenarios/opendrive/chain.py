@@ -19,7 +19,7 @@ SLACK_M = 0.002
 MOST_KINK_RAD = 0.02
 KINK_SHIFT_M = 0.002  # a corner is spread so far that it moves the line by this
 WIDEST_KINK_M = 1000.0  # radius
-LEAST_RATIO = 0.01
+LEAST_RATIO, MOST_RATIO = 0.01, 2.0  # of a piece's length after and before it is scaled
 STRAIGHT_PER_M = 1e-10
 SAME_PER_M = 1e-9
 LEAD_M = 0.001  # arc from which a clothoid takes its first curvature
@@ -52,7 +52,7 @@ class Chain:
         direction = complex(np.exp(1j * (self._heading + np.angle(way))))
         ratio = ((goal - self._point) * direction.conjugate()).real / abs(way)
         if ratio > LEAST_RATIO:  # else a map's digits are larger than the piece
-            self._append([one._replace(length_m=one.length_m * ratio) for one in elements])
+            self._append([one._replace(length_m=one.length_m * min(ratio, MOST_RATIO)) for one in elements])
         self._truth.append((piece, begin_m, self.length_m))
 
     def _aim(self, elements: Sequence[Element], goal: complex) -> float:

@@ -152,6 +152,14 @@ def test_a_gap_between_geometries_is_refused(tmp_path: Path) -> None:
     )
 
 
+def test_a_road_that_goes_on_far_away_is_refused(tmp_path: Path) -> None:
+    """In a bend, which must not grow to reach it."""
+    far = xodr.geometry("<line/>", 60.0, 60.0, (1e9, 0.0, 0.0))
+    road = xodr.road("45", xodr.geometry("<line/>", 60.0) + far.replace("<line/>", '<arc curvature="0.01"/>'), LANES)
+    said = message(tmp_path, text=f"<OpenDRIVE>{road}</OpenDRIVE>")
+    assert said.startswith("F/map.xodr: road 45: planView: expected a line that goes on within 0.01 m, got ")
+
+
 def test_a_corner_is_refused(tmp_path: Path) -> None:
     geometries = xodr.geometry("<line/>", 60.0) + xodr.geometry("<line/>", 60.0, 60.0, (60.0, 0.0, 0.2))
     said = message(tmp_path, text=f"<OpenDRIVE>{xodr.road('45', geometries, LANES)}</OpenDRIVE>")
