@@ -8,6 +8,7 @@ from typing import Any, get_args
 from vpf_sim import configuration
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.scenarios.highway import HighwayId, HighwayScenario
+from vpf_sim.scenarios.opendrive import road_table
 from vpf_sim.scenarios.random_road import RandomScenario
 from vpf_sim.scenarios.schema import Scenario
 
@@ -56,12 +57,20 @@ def parse(text: str, file: str) -> AnyScenario:
 
 
 def _checked(content: dict[str, Any], file: str) -> AnyScenario:
-    content = _on_base(content, file)
+    content = _on_base(_with_map(content, file), file)
     if "highway_env" in content:
         return configuration.build(HighwayScenario, _on_its_id(content), file, also=("base",))
     if "random" in content:
         return configuration.build(RandomScenario, content, file, also=("base",))
     return configuration.build(Scenario, content, file, also=("base", "random", "highway_env"))
+
+
+def _with_map(content: dict[str, Any], file: str) -> dict[str, Any]:
+    """The tables of a file with the road of its OpenDRIVE map, if it names one."""
+    road = content.get("road")
+    if not isinstance(road, dict) or "opendrive" not in road:
+        return content
+    return {**content, "road": road_table(road, file)}
 
 
 def _on_base(content: dict[str, Any], file: str) -> dict[str, Any]:

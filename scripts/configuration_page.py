@@ -14,6 +14,7 @@ from vpf_sim.evaluation.gate.rules import Rules
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.planning import variant
 from vpf_sim.replay.drive_file import DriveFile
+from vpf_sim.scenarios.opendrive.keys import OpenDriveFile
 from vpf_sim.scenarios.random_road import RandomRoad
 from vpf_sim.scenarios.schema import Scenario
 
@@ -52,6 +53,11 @@ class OfRandom:
 
 FILES = (
     ("Scenario", "Sections of a scenario file. `base` lays a file over a scenario of the catalog.", Scenario),
+    (
+        "Scenario on a map",
+        "The section `road` of a map stands in place of that above: [opendrive.md](opendrive.md).",
+        OpenDriveFile,
+    ),
     ("Random scenario", "The section `random` stands in place of `road`, `goal` and `bodies`.", OfRandom),
     ("Weather", "A weather file starts from `base`, a preset or an alias, by default `ClearNoon`.", Weather),
     ("Sweep", "A `sweep.toml` has lists, or single `drives` in place of scenario, weather and seeds.", Plan),

@@ -1,18 +1,17 @@
 """Scenario files: the catalog is valid, and each fault of an invalid file is one clear line."""
 
-import os
 import tomllib
 import xml.etree.ElementTree as ET
-from math import atan2, cos, pi, sin
+from math import atan2, pi
 from pathlib import Path
 
 import numpy as np
 import pytest
+from open_drive import point_on_lines_and_arcs, town04
 
 from vpf_sim import scenarios
 from vpf_sim.envs.road import build_road
 from vpf_sim.errors import InputError
-from vpf_sim.types import Floats
 
 FILE = """
 schema = 1
@@ -213,10 +212,7 @@ def test_every_seed_of_the_catalog_is_valid(name: str) -> None:
 
 def road_45() -> tuple[ET.Element, float, float]:
     """Road 45 of Town04, and from the file: t of the centre of its second lane from the right, and the width."""
-    shared = os.environ.get("VPF_SIM_SHARED")
-    if shared is None:
-        pytest.skip("VPF_SIM_SHARED is not set: Town04.xodr is not at hand")
-    roads = ET.parse(Path(shared) / "maps" / "Town04.xodr").getroot().iter("road")
+    roads = ET.parse(town04()).getroot().iter("road")
     road = next(road for road in roads if road.get("id") == "45")
     edge, centres = float(road.find("lanes/laneOffset").get("a")), []  # type: ignore[union-attr, arg-type]
     for lane in sorted(road.findall("lanes/laneSection/left/lane"), key=lambda lane: int(lane.get("id", 0))):
@@ -227,22 +223,6 @@ def road_45() -> tuple[ET.Element, float, float]:
     return road, *centres[-2]  # driven towards decreasing s, the outermost lane is the rightmost
 
 
-def open_drive_point(road: ET.Element, s: float, t: float) -> Floats:
-    """(2,) m in our axes, OpenDRIVE's (s, t) on a road of lines and arcs: their y is to the left."""
-    piece = [geometry for geometry in road.findall("planView/geometry") if float(geometry.get("s", 0)) <= s][-1]
-    x, y, heading, start = (float(piece.get(key, 0)) for key in ("x", "y", "hdg", "s"))
-    arc = piece.find("arc")
-    curvature = 0.0 if arc is None else float(arc.get("curvature", 0))
-    u = s - start
-    if curvature == 0.0:
-        x, y = x + u * cos(heading), y + u * sin(heading)
-    else:
-        x += (sin(heading + curvature * u) - sin(heading)) / curvature
-        y -= (cos(heading + curvature * u) - cos(heading)) / curvature
-    heading += curvature * u
-    return np.array([x - t * sin(heading), -(y + t * cos(heading))])
-
-
 @pytest.mark.parametrize("name", ["town04", "town04-clean"])
 def test_town04_has_the_lane_centre_of_road_45_to_a_centimetre(name: str) -> None:
     road, t, width = road_45()
@@ -250,7 +230,7 @@ def test_town04_has_the_lane_centre_of_road_45_to_a_centimetre(name: str) -> Non
     lane = build_road(scenario, np.random.default_rng(0)).network.get_lane(("start", "end", 4 - scenario.ego.lane))
     assert scenario.road.lane_width_m == width
     places = np.linspace(float(road.get("length", 0)), 0.0, 600)
-    points = np.array([open_drive_point(road, s, t) for s in places])
+    points = np.array([point_on_lines_and_arcs(road, s, t) for s in places])
     local = np.array([lane.local_coordinates(point) for point in points])
     assert np.abs(local[:, 1]).max() < 0.01
     assert (np.diff(local[:, 0]) > 0.0).all()
@@ -266,14 +246,14 @@ def test_town04_starts_ends_and_has_its_cars_where_the_paper_had_them() -> None:
     actual = [(scenario.ego.s_m, 0.0), (scenario.goal.s_m, 0.0), (first.s_m, first.lateral_m)]
     actual.append((second.s_m, second.lateral_m))
     for (s, across), place in zip(expected, actual, strict=True):
-        assert np.hypot(*(lane.position(*place) - open_drive_point(road, s, across))) < 0.01
+        assert np.hypot(*(lane.position(*place) - point_on_lines_and_arcs(road, s, across))) < 0.01
     assert np.hypot(*(lane.position(second.s_m, second.lateral_m) - [-188.3, 406.4])) < 0.1  # the paper's own point
 
 
 def test_town04_is_driven_to_the_right_in_both_bends() -> None:
     road, t, _ = road_45()
     scenario = scenarios.load("town04")
-    ahead = open_drive_point(road, 539.0, t) - open_drive_point(road, 540.0, t)
+    ahead = point_on_lines_and_arcs(road, 539.0, t) - point_on_lines_and_arcs(road, 540.0, t)
     lane = build_road(scenario, np.random.default_rng(0)).network.get_lane(("start", "end", 2))
     heading = lane.heading_at(scenario.ego.s_m + 0.5)
     assert abs((heading - atan2(ahead[1], ahead[0]) + pi) % (2.0 * pi) - pi) < 1e-3

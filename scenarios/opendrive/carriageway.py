@@ -1,0 +1,116 @@
+"""The carriageway of a route: its lanes, their width, and where its centre lies beside the reference line."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import chain, pairwise
+
+import numpy as np
+
+from vpf_sim.errors import InputError
+from vpf_sim.scenarios.opendrive.cubics import Cubic, valid_at
+from vpf_sim.scenarios.opendrive.lanes import LaneSection
+from vpf_sim.scenarios.opendrive.links import Leg
+from vpf_sim.scenarios.opendrive.routes import Route
+from vpf_sim.types import Floats
+
+TAPER_M = 1.0  # a lane that is narrower somewhere does not run through
+WIDTH_TOLERANCE_M = 0.05
+SAMPLE_M = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """The part of a section where geometry, polynomials and marks stay the same."""
+
+    leg: Leg
+    section: LaneSection
+    low_m: float  # s
+    high_m: float
+    lanes: tuple[int, ...]  # of the carriageway, from the right
+
+    def widths_m(self, lane: int) -> Floats:
+        """(N,) m, the width of a lane along the stretch, about every metre."""
+        count = 2 + int((self.high_m - self.low_m) / SAMPLE_M)
+        s = np.linspace(self.low_m, self.high_m, count)
+        return np.asarray(self._width(lane).at(s)[0])
+
+    def centre(self) -> Cubic:
+        """How far the carriageway's centre is left of the reference line."""
+        offset = Cubic(self.low_m, 0.0).plus(valid_at(self.leg.road.lane_offsets, self._inside_m), 1.0)
+        sign = 1.0 if self.leg.is_left else -1.0
+        inner = min(map(abs, self.lanes))
+        for lane in self.section.lanes:
+            if lane != 0 and (lane > 0) == self.leg.is_left and (abs(lane) < inner or lane in self.lanes):
+                offset = offset.plus(self._width(lane), sign * (0.5 if lane in self.lanes else 1.0))
+        return offset
+
+    def _width(self, lane: int) -> Cubic:
+        return valid_at(self.section.lanes[lane].widths, self._inside_m)
+
+    @property
+    def _inside_m(self) -> float:
+        return 0.5 * (self.low_m + self.high_m)
+
+
+@dataclass(frozen=True, slots=True)
+class Carriageway:
+    """The adjacent lanes that run through a route."""
+
+    stretches: tuple[Stretch, ...]
+    lanes: int
+    lane_width_m: float
+
+    @property
+    def half_width_m(self) -> float:
+        return 0.5 * self.lanes * self.lane_width_m
+
+
+def carriageway(route: Route) -> Carriageway:
+    """The lanes of a route, counted from the right. Raises InputError if no lane runs through, or widths differ."""
+    sections = [(leg, section) for leg in route.legs for section in leg.sections]
+    wide = [track for track in route.tracks if _least_width(sections, track) >= TAPER_M]
+    if not wide:
+        road = route.legs[-1].road
+        raise InputError(f"{road.where}: lanes: expected a driving lane of {TAPER_M:g} m or more all along, got none")
+    tracks = wide[:1]
+    for track in wide[1:]:
+        if any(abs(here - there) != 1 for here, there in zip(tracks[-1], track, strict=True)):
+            break
+        tracks.append(track)
+    groups = list(zip(*tracks, strict=True))
+    stretches = [*chain.from_iterable(_stretches(*one, ids) for one, ids in zip(sections, groups, strict=True))]
+    return Carriageway(tuple(stretches), len(tracks), _common_width(stretches))
+
+
+def _least_width(sections: Sequence[tuple[Leg, LaneSection]], track: Sequence[int]) -> float:
+    return min(
+        float(stretch.widths_m(lane).min())
+        for (leg, section), lane in zip(sections, track, strict=True)
+        for stretch in _stretches(leg, section, (lane,))
+    )
+
+
+def _stretches(leg: Leg, section: LaneSection, lanes: tuple[int, ...]) -> Iterator[Stretch]:
+    """A section cut where a geometry, a polynomial or a mark begins, in the order of the drive."""
+    road = leg.road
+    starts = {one.s_m for one in road.geometries} | {one.s_m for one in road.lane_offsets}
+    starts |= {width.s_m for lane in section.lanes.values() for width in lane.widths}
+    starts |= {mark.s_m for lane in section.lanes.values() for mark in lane.marks}
+    inside = sorted(s for s in starts if section.s_m + 1e-6 < s < section.end_m - 1e-6)
+    cuts = [section.s_m, *inside, section.end_m]
+    parts = [Stretch(leg, section, low, high, lanes) for low, high in pairwise(cuts)]
+    yield from parts if leg.forward else reversed(parts)
+
+
+def _common_width(stretches: Sequence[Stretch]) -> float:
+    """The width of the lanes. Raises InputError where one differs by more than a few centimetres."""
+    found = [(stretch, lane, stretch.widths_m(lane)) for stretch in stretches for lane in stretch.lanes]
+    common = float(np.median(np.concatenate([widths for _, _, widths in found])))
+    for stretch, lane, widths in found:
+        worst = float(widths[np.argmax(np.abs(widths - common))])
+        if abs(worst - common) > WIDTH_TOLERANCE_M:
+            raise InputError(
+                f"{stretch.leg.road.where}: lane {lane}.width: expected {common:.2f} m, as the route's other lanes, "
+                f"within {WIDTH_TOLERANCE_M:g} m, got {worst:.2f} m"
+            )
+    return round(common, 4)
