@@ -4,10 +4,10 @@ import cv2
 import numpy as np
 import pytest
 
-from vpf_sim.drivers.dominant_plane import AGREEMENT_PX, PlaneDetector, plane_motion, potential
+from vpf_sim.drivers.dominant_plane import AGREEMENT_PX, DominantPlaneDriver, PlaneDetector, plane_motion, potential
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.geometry import ground_from_pixels, project
-from vpf_sim.types import Bools, Camera, Floats, Image
+from vpf_sim.types import Bools, Camera, DriverSetup, Floats, Image, Observation, VehicleModel
 
 CAMERA = Camera()
 STEP_M = 0.28  # in a frame at 20 km/h and 20 Hz
@@ -125,6 +125,16 @@ def test_a_car_that_stands_keeps_what_it_found() -> None:
     for _ in range(8):
         detector.update(images[-1])
     assert np.array_equal(detector.plane, found, equal_nan=True)
+
+
+@pytest.mark.parametrize("camera", [Camera(640, 16), Camera(16, 480), Camera(640, 480, pitch_rad=-0.9)])
+def test_a_camera_that_does_not_show_the_road_is_no_fault(camera: Camera) -> None:
+    driver = DominantPlaneDriver()
+    driver.reset(DriverSetup(camera, VehicleModel(), 20.0, 5.55, (100.0, 0.0), seed=0))
+    image = np.random.default_rng(0).integers(0, 255, (camera.height_px, camera.width_px, 3), np.uint8)
+    for step in range(4):
+        command = driver.act(Observation(image, step / 20.0, 0.0, 0.0, 0.0, 5.55, 0.0, (100.0, 0.0)))
+        assert (command.throttle, command.steering) == (0.0, 0.0), "straight to the goal"
 
 
 def test_it_arrives_on_a_straight_road() -> None:

@@ -11,7 +11,7 @@ sweeps, not over the image, where trees beside the road outweigh a car on it.
 """
 
 from dataclasses import dataclass
-from math import atan2, inf
+from math import atan2, inf, tan
 
 import cv2
 import numpy as np
@@ -74,10 +74,11 @@ class PlaneDetector:
     def __init__(self, camera: Camera) -> None:
         across, down = SPACING_PX
         columns = np.arange(across // 2, camera.width_px, across, dtype=float)
-        rows = np.arange(camera.cy_px + BELOW_HORIZON_PX, camera.height_px - down // 2, down)
+        horizon_px = camera.cy_px - camera.fy_px * tan(camera.pitch_rad)
+        rows = np.arange(horizon_px + BELOW_HORIZON_PX, camera.height_px - down // 2, down)
         self.shape = len(rows), len(columns)
         self.points_px: Floats = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
-        self._near: Bools = self.points_px[:, 1] > np.median(self.points_px[:, 1])
+        self._near: Bools = np.arange(len(self.points_px)) >= len(self.points_px) // 2  # the lower half
         self._past: list[tuple[Image, Floats]] = []  # frames, and the plane's motion from now to then
         self.plane: Floats = np.ones(self.shape)  # 1 plane, 0 obstacle, nan unknown
 
@@ -145,7 +146,8 @@ class DominantPlaneDriver(Driver):
         ahead = (ground_m[:, 0] > near_m) & (ground_m[:, 0] < far_m) & (np.abs(ground_m[:, 1]) < BESIDE_M)
         corridor = ahead.reshape(self._detector.shape).astype(float)
         count = corridor.sum(axis=1, keepdims=True)
-        self._corridor: Floats = corridor / np.maximum(count, 1.0) / (count > 0.0).sum()  # each row counts the same
+        rows = max(1, int((count > 0.0).sum()))
+        self._corridor: Floats = corridor / np.maximum(count, 1.0) / rows  # each row counts the same
         self._side, self._share = 0.0, 1.0
         self._step_s, self._next_s, self._looked_s = 1.0 / setup.rate_hz, 0.0, -inf
 
@@ -161,6 +163,8 @@ class DominantPlaneDriver(Driver):
         return Command(self._throttle(observation.speed_mps), self._steering(observation))
 
     def _observe(self, image: Image) -> None:
+        if not self._corridor.any() or self._detector.shape[1] < 2:
+            return  # the camera does not show what is ahead
         self._detector.update(grey(image))
         field = potential(self._detector.plane)
         self._side += SMOOTHING * (float((field.right * self._corridor).sum()) - self._side)
