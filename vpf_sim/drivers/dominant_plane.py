@@ -8,6 +8,9 @@ gradient of the smoothed binary plane repels from obstacles, and the direction t
 Three things differ, since a car is faster than the robot and looks farther: the plane's motion is a homography, not
 affine; deviations from it are summed over about a metre; the gradient is averaged over the corridor that the car
 sweeps, not over the image, where trees beside the road outweigh a car on it.
+
+Where it fails: it knows no road. Verges lie in the plane, so that the goal draws it off the road in the first bend. An
+obstacle dead ahead has no gradient, so it passes late, or stops and stays. docs/decisions.md has the figures.
 """
 
 from dataclasses import dataclass
