@@ -41,6 +41,12 @@ def _lane_lines() -> Driver:
     return LaneLinesDriver()
 
 
+def _dominant_plane() -> Driver:
+    from vpf_sim.drivers.dominant_plane import DominantPlaneDriver
+
+    return DominantPlaneDriver()
+
+
 def _learned(model: str | Path) -> Driver:
     from vpf_sim.drivers.learned.driver import OnnxDriver  # imports OpenCV, too
 
@@ -70,6 +76,11 @@ _REGISTRY: dict[str, _Entry] = {
     ),
     "idm": _Entry(IdmDriver, "world", "highway-env's own driver: IDM along the lane, MOBIL across; gets all objects"),
     "lane-lines": _Entry(_lane_lines, "none", "lane lines from above, Stanley's law, a brake by time to contact"),
+    "dominant-plane": _Entry(
+        _dominant_plane,
+        "none",
+        "ground by the flow's dominant plane, visual potential, goal direction; blind to road edges",
+    ),
     "learned-bc": _Entry(
         lambda: _learned(LEARNED["learned-bc"]), "none", "a small network that was cloned from drivers with privilege"
     ),
