@@ -94,7 +94,7 @@ class HighwayConfig(Section):
 class HighwayEnv(Section):
     """An environment of highway-env: its road, its traffic, and where its ego starts."""
 
-    id: HighwayId
+    id: HighwayId = Field(description="of the environment")
     config: HighwayConfig = HighwayConfig()
     traffic: bool = Field(default=True, description="false: an empty road")
 

@@ -14,6 +14,7 @@ from vpf_sim.evaluation.gate.rules import Rules
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.planning import variant
 from vpf_sim.replay.drive_file import DriveFile
+from vpf_sim.scenarios.highway import HighwayEgo, HighwayEnv, HighwayGoal
 from vpf_sim.scenarios.opendrive.keys import OpenDriveFile
 from vpf_sim.scenarios.random_road import RandomRoad
 from vpf_sim.scenarios.schema import Scenario
@@ -51,6 +52,15 @@ class OfRandom:
     random: RandomRoad
 
 
+@dataclass(frozen=True, slots=True)
+class OfHighwayEnv:
+    """What a scenario on one of highway-env's roads has."""
+
+    highway_env: HighwayEnv
+    ego: HighwayEgo
+    goal: HighwayGoal
+
+
 FILES = (
     ("Scenario", "Sections of a scenario file. `base` lays a file over a scenario of the catalog.", Scenario),
     (
@@ -59,6 +69,11 @@ FILES = (
         OpenDriveFile,
     ),
     ("Random scenario", "The section `random` stands in place of `road`, `goal` and `bodies`.", OfRandom),
+    (
+        "Scenario of highway-env",
+        "`highway_env` stands in place of `road` and `bodies`: [highway-env.md](highway-env.md).",
+        OfHighwayEnv,
+    ),
     ("Weather", "A weather file starts from `base`, a preset or an alias, by default `ClearNoon`.", Weather),
     ("Sweep", "A `sweep.toml` has lists, or single `drives` in place of scenario, weather and seeds.", Plan),
     ("Rules of the gate", "[gate.md](gate.md) explains the rules.", Rules),

@@ -6,13 +6,12 @@ from math import isnan
 import numpy as np
 
 from vpf_sim.envs.ego import Ego
-from vpf_sim.envs.highway.lane_graph import LaneGraph
+from vpf_sim.envs.highway.lane_graph import ROUTE_HALF_M, LaneGraph
 from vpf_sim.envs.highway.lanes import Road, Stretch, roads_to, stretches
 from vpf_sim.envs.highway.path import centre_line
 from vpf_sim.envs.highway.traffic import Traffic
 from vpf_sim.envs.highway.turns import manoeuvres
 from vpf_sim.envs.route import BEYOND_GOAL_M, Manoeuvre, Route
-from vpf_sim.errors import InputError
 from vpf_sim.scenarios import HighwayScenario
 
 DESTINATIONS = {"exit-v0": "exit"}  # of ids that have one which highway-env does not plan
@@ -55,8 +54,6 @@ def _route(scenario: HighwayScenario, graph: LaneGraph, length_m: float, turns: 
     goal_m = min(scenario.goal.route_m, length_m)
     (x, y), heading = graph.centre.position_at(goal_m, 0.0), graph.centre.heading_at(goal_m)
     sides = graph.edges_at(x, y, heading)
-    if isnan(sides[0]):
-        raise InputError(
-            f"goal.route_m: expected a goal on a road of {scenario.highway_env.id}, got {goal_m:g} m, in a junction"
-        )
+    if isnan(sides[0]):  # in a junction
+        sides = -ROUTE_HALF_M, ROUTE_HALF_M
     return Route(graph.centre, 0.0, goal_m, goal_sides_m=sides, manoeuvres=turns)

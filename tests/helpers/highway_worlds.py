@@ -1,0 +1,41 @@
+"""Worlds of highway-env scenarios, and the environments themselves to compare them with."""
+
+import warnings
+from typing import Any, get_args
+
+import gymnasium
+import highway_env
+
+from vpf_sim import scenarios
+from vpf_sim.envs.world import World, build_world
+from vpf_sim.scenarios.highway import HighwayId
+
+gymnasium.register_envs(highway_env)
+IDS: tuple[str, ...] = get_args(HighwayId)
+
+
+def scenario(name: str, **config: Any) -> Any:
+    """A highway-env scenario with keys of its configuration."""
+    keys = ", ".join(
+        f"{key} = {str(value).lower() if isinstance(value, bool) else value!r}" for key, value in config.items()
+    )
+    return scenarios.parse(f'schema = 1\n[highway_env]\nid = "{name}"\nconfig = {{{keys}}}\n', "test.toml")
+
+
+def empty(name: str, **config: Any) -> Any:
+    """The same without traffic."""
+    return scenario(name, **config).without_objects()
+
+
+def world(name: str, seed: int = 0, **config: Any) -> World:
+    """The world of a seed."""
+    return build_world(scenario(name, **config), seed)
+
+
+def original(name: str, seed: int, **config: Any) -> Any:
+    """highway-env's own environment after a reset with that seed."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        env: Any = gymnasium.make(name, config=config, disable_env_checker=True).unwrapped
+    env.reset(seed=seed)
+    return env
