@@ -19,8 +19,9 @@ class OnnxDriver(Driver):
     """Asks a policy at its rate, and holds the command in between."""
 
     def __init__(self, model: str | Path) -> None:
-        self.manifest: Manifest = manifests.load(Path(model))
-        self._session = Session(Path(model), self.manifest)
+        self.model_path = Path(model)
+        self.manifest: Manifest = manifests.load(self.model_path)
+        self._session = Session(self.model_path, self.manifest)
         self.privileged: Privilege = self.manifest.privileged
         self.uses_images = self.manifest.image is not None
 
