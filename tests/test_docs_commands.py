@@ -30,7 +30,7 @@ from vpf_sim.replay.drive_file import DriveFile
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 PAGES = ["own-drives", "gate", "cluster", "reproduce"]
-TOO_LONG = {"results"}  # drives for a good part of an hour
+TOO_LONG = {"results", "highway-env"}  # drive for a good part of an hour
 TUTORIALS = {"start"}  # tests/test_tutorials.py
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 ELSEWHERE = ("pip ", "helm ")  # what sets up machines, and no command of ours
