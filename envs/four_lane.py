@@ -233,8 +233,12 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
             "ego": np.minimum(np.maximum(measured, self._low), self._high),
             "goal": np.array(self.goal_m),
             "time": np.array([self._steps / self.rate_hz]),
-            **({"turn": np.array(TURNS.index(self._path.turn(self._route_m)))} if self._tells_turns else {}),
+            **self._turn(),
         }
+
+    def _turn(self) -> dict[str, Any]:
+        """The way to take where roads part, as its index in `TURNS`, on roads that have forks."""
+        return {"turn": np.int64(TURNS.index(self._path.turn(self._route_m)))} if self._tells_turns else {}
 
     def _image(self) -> EnvObservation:
         """The camera's part of the observation: its frame, or with faults the last that has arrived."""

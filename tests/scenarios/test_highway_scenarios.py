@@ -68,3 +68,11 @@ def test_only_our_own_roads_can_be_drawn_as_roads() -> None:
     assert scenarios.drawn_road("town04", 0).road.lanes == 4
     with pytest.raises(InputError, match="expected one with a road of its own, got highway-v0"):
         scenarios.drawn_road("highway-v0", 0)
+
+
+def test_the_file_in_the_docs_is_one() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "highway-env.md").read_text("utf-8")
+    text = page.partition("```toml\n")[2].partition("```")[0]
+    mine = scenarios.parse(text, "docs")
+    assert isinstance(mine, scenarios.HighwayScenario)
+    assert mine.highway_env.config.given() == {"lanes_count": 3, "vehicles_count": 20, "initial_lane_id": 1}
