@@ -34,6 +34,9 @@ def load_gains() -> Gains:
 class Twin(IDMVehicle):  # type: ignore[misc]
     """An IDMVehicle that copies the ego's state and never moves by itself."""
 
+    # highway-env's defaults, held here since its intersection changes those of its class for the whole process
+    COMFORT_ACC_MAX, COMFORT_ACC_MIN, DISTANCE_WANTED = 3.0, -5.0, 10.0
+
     def __init__(self, gains: Gains, road: Road, observation: Observation, setup: DriverSetup) -> None:
         place = (observation.x_m, observation.y_m)
         route = list(getattr(road.network, "route_lanes", ())) or None

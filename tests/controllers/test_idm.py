@@ -62,9 +62,16 @@ def drive(road: Any, time_s: float) -> Floats:
 def test_gap_behind_a_slower_car_matches_the_model() -> None:
     """In equilibrium (v / v0)^4 + (s* / s)^2 = 1, s* = s0 + v T."""
     gap_m, speed_mps, _ = drive(world(lead_s_m=40.0), 60.0)[-1]
-    wanted_m = IDMVehicle.DISTANCE_WANTED + 3.0 * IDMVehicle.TIME_WANTED
+    wanted_m = 10.0 + 3.0 * 1.5  # highway-env's defaults
     assert speed_mps == pytest.approx(3.0, abs=0.01)
     assert gap_m == pytest.approx(wanted_m / np.sqrt(1.0 - (3.0 / 5.55) ** 4), rel=0.01)
+
+
+def test_settings_that_highway_envs_intersection_leaves_behind_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = drive(world(lead_s_m=30.0), 3.0)
+    for name, value in {"DISTANCE_WANTED": 7, "COMFORT_ACC_MAX": 6, "COMFORT_ACC_MIN": -3}.items():
+        monkeypatch.setattr(IDMVehicle, name, value)
+    assert np.array_equal(drive(world(lead_s_m=30.0), 3.0), before)
 
 
 def test_empty_road_keeps_the_reference_speed() -> None:

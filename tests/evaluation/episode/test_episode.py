@@ -52,7 +52,7 @@ def test_nothing_of_the_world_reaches_an_unprivileged_driver() -> None:
     driver = Constant()
     roll_out(TinyWorld(), driver, Constant(), seed=0)
     assert {item.name for item in fields(Observation)} == {
-        *("image", "time_s", "x_m", "y_m", "yaw_rad", "speed_mps", "yaw_rate_radps", "goal_m", "frame_time_s")
+        *("image", "time_s", "x_m", "y_m", "yaw_rad", "speed_mps", "yaw_rate_radps", "goal_m", "frame_time_s", "turn")
     }
     told = [*(getattr(driver.setup, item.name) for item in fields(DriverSetup))]
     told += [getattr(driver.seen[0], item.name) for item in fields(Observation)]
