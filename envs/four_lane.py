@@ -151,7 +151,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
 
     def _hold(self, command: Floats, ticks: int, ending: Ending) -> Status:
         """The status after ticks without a picture, or at the first that ends the episode."""
-        status = ending.status_at_reset
+        status: Status = "running"
         for _ in range(ticks):
             self.advance(command)
             status = ending.status(self.ego, self._take_frame() if self._camera_faulty else None)

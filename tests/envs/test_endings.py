@@ -173,8 +173,9 @@ def test_camera_broken_from_the_start_is_reported_at_reset(monkeypatch: pytest.M
     env = FourLane(scenario(FAR), rig=SMALL)
     _, info = env.reset(seed=0)
     assert info["status"] == "invalid_frame"
-    *_, truncated, info = env.step(NEUTRAL)
+    observed, *_, truncated, info = env.step(NEUTRAL)
     assert truncated
+    assert observed["time"] == pytest.approx(1.0 / 60.0), "the step is carried out"
     assert info["invalid_frame"] == {"frame": 0, "time_s": 0.0, "fault": "black"}
 
 
