@@ -22,7 +22,7 @@ WHOLE_RANGE_M = 1e3  # faces drawn up to this distance are drawn over the whole 
 CELL_M, SECTORS = 6.0, 36  # candidates are kept while the camera stays in a cell and a heading sector
 FADING = 0.15  # last share of the range, in which an item fades
 FULL = 1.0 / FADING
-COARSE_M = 60.0  # faces drawn at this distance cast shadows
+COARSE_M = 60.0  # faces drawn at this distance cast shadows; at full detail
 EDGE_ON = 0.05  # except faces at grazing sunlight
 STALE_RAD_PER_M = 0.02 / STALE_M  # most rotation of the camera before visibility is updated, over most motion
 LOWEST_SUN = 0.1  # lowest sine of the altitude for shadow lengths
@@ -86,6 +86,7 @@ class Roadside:
     def __init__(self, camera: Camera, items: list[Placement], light: Light, haze: Haze) -> None:
         self._slope = 0.5 * camera.width_px / camera.fx_px  # slope of the field of view's sides
         self._stale_m = stale_m(camera)
+        self._coarse_m = COARSE_M * detail(camera)
         self._surely_m = NEAR_M + 2.0 * self._stale_m  # nearer parts are clipped, or they might pass the near plane
         self._widest = tan(atan(self._slope) + STALE_RAD_PER_M * self._stale_m)
         self._aerial_perspective = AerialPerspective(light, haze)
@@ -145,7 +146,7 @@ class Roadside:
     def shadow_polygons(self, light: Light) -> list[Floats]:
         """(n, 2) m, shadow outlines on the ground."""
         group = self._all
-        coarse = (group.until_m >= COARSE_M) & (np.abs(group.normals @ light.sun) > EDGE_ON)
+        coarse = (group.until_m >= self._coarse_m) & (np.abs(group.normals @ light.sun) > EDGE_ON)
         faces = group.faces_m[coarse]
         cast = faces[..., :2] - faces[..., 2:] * (light.sun[:2] / max(light.sun[2], LOWEST_SUN))
         return list(cast)

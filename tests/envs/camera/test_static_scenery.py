@@ -149,6 +149,16 @@ def test_lamp_post_shadow_matches_the_sun() -> None:
     assert reach.min() > -0.3
 
 
+def test_a_small_camera_has_the_shadows_of_a_large_one() -> None:
+    shapes = lane_shapes(town())
+    large, small = (
+        StaticScenery(camera, shapes, LIGHT, HAZE, 3).shadow_polygons(LIGHT)
+        for camera in (CAMERA, Camera.of(84, 84, 90.0))
+    )
+    assert len(large) > 500
+    assert all(np.array_equal(one, other) for one, other in zip(large, small, strict=True))
+
+
 def test_trees_fade_with_distance_and_move_with_subpixel_accuracy() -> None:
     stand = TreeStand(CAMERA, Trees(np.array([[60.0, 6.0]]), np.array([9.0]), np.array([0])), LIGHT, HAZE)
 
