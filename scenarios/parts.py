@@ -4,9 +4,10 @@ Positions are s_m along the carriageway's centre line and metres right of a lane
 right, from 1. Positive radii and heading changes turn right.
 """
 
-from typing import Annotated, Literal
+from collections.abc import Iterator
+from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, PositiveInt
+from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, PositiveInt, model_validator
 
 from vpf_sim.configuration import STRICT
 from vpf_sim.scenarios.kinds import ObjectKind
@@ -28,6 +29,21 @@ class Section(BaseModel):
     """Base of all sections: frozen, without unknown keys, nan and inf."""
 
     model_config = ConfigDict(**STRICT, frozen=True, populate_by_name=True)
+
+
+class ConsistentSection(Section):
+    """A section whose keys must fit together: `faults` yields a line for each that does not."""
+
+    @model_validator(mode="after")
+    def _fit_together(self) -> Self:
+        found = list(self.faults())
+        if found:
+            raise ValueError("\n".join(found))
+        return self
+
+    def faults(self) -> Iterator[str]:
+        """Every fault, for any seed."""
+        raise NotImplementedError
 
 
 class Line(Section):

@@ -1,16 +1,17 @@
 """Random scenarios: the seed draws road and obstacles within the limits of a file."""
 
 from collections.abc import Iterator
-from typing import Annotated, Literal, NamedTuple, Self
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from pydantic import Field, PositiveFloat, model_validator
+from pydantic import Field, PositiveFloat
 
 from vpf_sim.scenarios.kinds import SIZES, ObjectKind
 from vpf_sim.scenarios.parts import (
     MOST_ROAD_M,
     Arc,
     Clothoid,
+    ConsistentSection,
     Degrees,
     Ego,
     Goal,
@@ -22,7 +23,6 @@ from vpf_sim.scenarios.parts import (
     ObjectSpec,
     Road,
     RoadAppearance,
-    Section,
     Segment,
     Vary,
 )
@@ -52,7 +52,7 @@ class LateralInterval(NamedTuple):
         return self.left_m < other.right_m and other.left_m < self.right_m
 
 
-class RandomRoad(Section):
+class RandomRoad(ConsistentSection):
     """Limits of the uniform draws: a road of lines and bends, and rows of obstacles.
 
     Each row has a gap of at least `free_gap_m`. Its middle is at most `gap_shift_lanes` lanes from the previous row's;
@@ -93,14 +93,8 @@ class RandomRoad(Section):
         default=EVENTS, description="what they do"
     )
 
-    @model_validator(mode="after")
-    def _fit_together(self) -> Self:
-        found = list(self._faults())
-        if found:
-            raise ValueError("\n".join(found))
-        return self
-
-    def _faults(self) -> Iterator[str]:
+    def faults(self) -> Iterator[str]:
+        """Every fault, for any seed."""
         for key in ("length_m", "heading_deg", "radius_m", "rows", "row_bodies", "events"):
             low, high = getattr(self, key)
             if low > high:
@@ -114,7 +108,7 @@ class RandomRoad(Section):
             yield f"free_gap_m: expected at most the carriageway, {2.0 * half_m:g} m, got {self.free_gap_m:g}"
 
 
-class RandomScenario(Section):
+class RandomScenario(ConsistentSection):
     """A scenario file with a section `random` in place of `road`, `goal` and `bodies`."""
 
     version: Literal[1] = Field(alias="schema")
@@ -123,16 +117,13 @@ class RandomScenario(Section):
     limits: Limits | None = None
     vary: Vary = Field(default_factory=dict)
 
-    @model_validator(mode="after")
-    def _vary_the_ego_alone(self) -> Self:
-        found = [
-            f'vary."{key}": expected a value of the ego, got one of the bodies' for key in self.vary if key[:3] != "ego"
-        ]
+    def faults(self) -> Iterator[str]:
+        """Every fault, for any seed."""
+        for key in self.vary:
+            if key[:3] != "ego":
+                yield f'vary."{key}": expected a value of the ego, got one of the bodies'
         if self.ego.lane > self.random.lanes:
-            found.append(f"ego.lane: expected 1 to {self.random.lanes}, counted from the right, got {self.ego.lane}")
-        if found:
-            raise ValueError("\n".join(found))
-        return self
+            yield f"ego.lane: expected 1 to {self.random.lanes}, counted from the right, got {self.ego.lane}"
 
     def draw(self, seed: int) -> Scenario:
         """The scenario of one seed."""
