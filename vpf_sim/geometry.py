@@ -66,6 +66,16 @@ def world_from_vehicle(points_m: Floats, pose: Floats) -> Floats:
     return absolute
 
 
+def horizon_px(camera: Camera) -> float:
+    """Image row of the horizon, straight ahead."""
+    return float(camera.cy_px - camera.fy_px * np.tan(camera.pitch_rad))
+
+
+def straight_ahead_px(camera: Camera) -> Floats:
+    """(2,) px, the horizon straight ahead."""
+    return np.array([camera.cx_px, horizon_px(camera)])
+
+
 def project(camera: Camera, points_m: Floats) -> Floats:
     """(..., 2) undistorted px of (..., 3) points in vehicle axes (forward, right, up from the road).
 

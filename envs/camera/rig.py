@@ -1,10 +1,11 @@
 """The camera and its image sensor, as mounted on the vehicle."""
 
 from dataclasses import dataclass, field, fields
-from math import isfinite, tan
+from math import isfinite
 from numbers import Integral, Real
 
 from vpf_sim.errors import InputError
+from vpf_sim.geometry import horizon_px
 from vpf_sim.scenarios.parts import CameraName
 from vpf_sim.types import Camera
 
@@ -128,8 +129,7 @@ def _check_camera(camera: Camera) -> None:
             raise InputError(f"camera: {key}: expected within the image, 0 to {size - 1}, got {value:g}")
     if not abs(camera.pitch_rad) < 0.5:
         raise InputError(f"camera: pitch_rad: expected between -0.5 and 0.5, got {camera.pitch_rad}")
-    horizon = camera.cy_px - camera.fy_px * tan(camera.pitch_rad)
-    if horizon > camera.height_px - 1:
+    if horizon_px(camera) > camera.height_px - 1:
         raise InputError(f"camera: pitch_rad: expected one that shows the road, got only sky at {camera.pitch_rad:g}")
     check_distortion(camera)
 

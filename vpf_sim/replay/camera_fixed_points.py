@@ -4,6 +4,7 @@ from typing import Literal
 
 import numpy as np
 
+from vpf_sim.geometry import straight_ahead_px
 from vpf_sim.perception.egomotion import focus_of_expansion as expansion
 from vpf_sim.replay import flow_derotation
 from vpf_sim.types import Bools, Camera, Floats, Flow
@@ -48,7 +49,7 @@ def _expands(flow: Flow, camera: Camera) -> bool:
     if len(flow) < LEAST_POINTS:
         return False
     left = expansion.derotate(flow_derotation.turning(flow, flow_derotation.yaw_rate(flow, camera)), camera)
-    away = flow.points_px - [camera.cx_px, camera.cy_px - camera.fy_px * np.tan(camera.pitch_rad)]
+    away = flow.points_px - straight_ahead_px(camera)
     outward = np.sum(left * away, axis=1) > OUTWARD * np.hypot(*left.T) * np.hypot(*away.T)
     sides = [int(np.count_nonzero(outward & side)) for side in (away[:, 0] < 0.0, away[:, 0] > 0.0)]
     return bool(np.mean(outward) > OUTWARD_SHARE and min(sides) >= LEAST_ON_A_SIDE)

@@ -6,7 +6,7 @@ from math import nan
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.geometry import rotation_flow
+from vpf_sim.geometry import rotation_flow, straight_ahead_px
 from vpf_sim.perception.egomotion import focus_of_expansion as expansion
 from vpf_sim.perception.egomotion.flow import FlowTracker
 from vpf_sim.planning.variant import Variant
@@ -67,8 +67,7 @@ def yaw_rate(flow: Flow, camera: Camera) -> float:
 
     Each point's flow perpendicular to the direction from straight ahead, over its change by a yaw rate.
     """
-    ahead = np.array([camera.cx_px, camera.cy_px - camera.fy_px * np.tan(camera.pitch_rad)])
-    away = flow.points_px - ahead
+    away = flow.points_px - straight_ahead_px(camera)
     across = np.stack([away[:, 1], -away[:, 0]], axis=1) / (np.hypot(away[:, 0], away[:, 1])[:, None] + 1.0)
     turned = np.sum(rotation_flow(camera, flow.points_px, PROBE_RAD * flow.gap_s) * across, axis=1) / PROBE_RAD
     rate = 0.0

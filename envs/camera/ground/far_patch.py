@@ -12,8 +12,8 @@ import numpy as np
 
 from vpf_sim.envs.camera.ground.levels import Level
 from vpf_sim.envs.camera.ground.raster import Raster
-from vpf_sim.envs.camera.horizon import horizon_row
 from vpf_sim.envs.camera.view import NEAR_M, View
+from vpf_sim.geometry import horizon_px
 from vpf_sim.types import Camera, Floats, Image
 
 STEP, SIDESTEP, TURN_RAD = 0.38, 0.12, 0.06  # between anchors, in the level's nearest depth; between headings
@@ -34,7 +34,7 @@ class FarPatch:
         self._step, self._sidestep = STEP * level.near_m, SIDESTEP * level.near_m
         self._phase = GOLDEN * level.near_m % 1.0
         (left, top), (right, bottom) = self._corners(level)
-        first = max(float(np.floor(top)), horizon_row(camera) + HIGHEST)
+        first = max(float(np.floor(top)), horizon_px(camera) + HIGHEST)
         self._to_texels = np.array([[1.0, 0.0, -np.floor(left)], [0.0, ROWS, -ROWS * first], [0.0, 0.0, 1.0]])
         rows, columns = int(np.ceil(ROWS * (bottom - first))) + 2, 2 * int(0.5 * (right - np.floor(left)) + 2.0)
         # puts the clipping plane well before the visible range

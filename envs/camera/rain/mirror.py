@@ -7,10 +7,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.envs.camera.horizon import horizon_row
 from vpf_sim.envs.camera.painter import SHIFT, Drawing, Sprite
 from vpf_sim.envs.camera.truth import Drawn
 from vpf_sim.envs.camera.view import View
+from vpf_sim.geometry import horizon_px
 from vpf_sim.types import Floats, Image
 
 REFINEMENT = 2  # image pixels per pixel of the reflection, each way
@@ -106,7 +106,7 @@ def _extended(
     corners = [len(polygon) for polygon in polygons]
     image, height = mirrored_points(view, np.concatenate(polygons), np.repeat(planes, corners, axis=0))
     low = height < FOOT_M
-    image[low, 1] -= np.minimum(foot_px, FOOT_SHARE * (image[low, 1] - horizon_row(view.camera)))
+    image[low, 1] -= np.minimum(foot_px, FOOT_SHARE * (image[low, 1] - horizon_px(view.camera)))
     return MirroredFaces(image, corners, colours)
 
 
@@ -132,7 +132,7 @@ def large_sprites(drawn: list[Drawn]) -> list[Sprite]:
 def paint_sprite(canvas: Image, view: View, top: int, sprite: Sprite) -> None:
     """Draw a billboard upside down below its foot."""
     camera = view.camera
-    foot = horizon_row(camera) + camera.fy_px * camera.height_m / sprite.depth_m
+    foot = horizon_px(camera) + camera.fy_px * camera.height_m / sprite.depth_m
     tall, wide = sprite.picture.shape[:2]
     size = (max(1, wide // REFINEMENT), max(1, tall // REFINEMENT))
     y = round((2.0 * foot - (sprite.y + tall) - top) / REFINEMENT)

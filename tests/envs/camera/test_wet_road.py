@@ -9,10 +9,11 @@ from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.layout import lane_shapes
 from vpf_sim.envs.camera.painter import Drawing
 from vpf_sim.envs.camera.painter import drawing as drawing_of
-from vpf_sim.envs.camera.rain.mirror import horizon_row, mirrored_faces, mirrored_points, reflectance
+from vpf_sim.envs.camera.rain.mirror import mirrored_faces, mirrored_points, reflectance
 from vpf_sim.envs.camera.rain.wet_road import EVERY, WetRoad
 from vpf_sim.envs.camera.truth import STILL, Drawn
 from vpf_sim.envs.camera.view import View
+from vpf_sim.geometry import horizon_px
 from vpf_sim.types import Camera, Image
 
 CAMERAS = {
@@ -40,7 +41,7 @@ def wall(camera: Camera, ahead_m: float) -> tuple[View, Drawn]:
 def plain(camera: Camera) -> Image:
     """A frame of even sky and even road."""
     frame = np.full((camera.height_px, camera.width_px, 3), SKY, np.uint8)
-    frame[int(np.floor(horizon_row(camera))) + 1 :] = ROAD
+    frame[int(np.floor(horizon_px(camera))) + 1 :] = ROAD
     return frame
 
 

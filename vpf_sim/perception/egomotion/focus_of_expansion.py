@@ -6,7 +6,7 @@ from math import inf, sqrt
 
 import numpy as np
 
-from vpf_sim.geometry import rotation_flow
+from vpf_sim.geometry import rotation_flow, straight_ahead_px
 from vpf_sim.perception.egomotion.config import ExpansionConfig, FocusFitConfig, TemporalPriorConfig
 from vpf_sim.perception.egomotion.focus_fit import Prior, fit
 from vpf_sim.types import Camera, Expansion, Floats, Flow
@@ -156,7 +156,7 @@ def _usual(camera: Camera, config: FocusFitConfig) -> Prior:
     rates = (rotation.tilt_sd_radps, rotation.yaw_sd_radps, rotation.tilt_sd_radps) if rotation else (0.0, 0.0, 0.0)
     sides = np.array(sides_rad) * [camera.fx_px, camera.fy_px]
     information.flat[::6] = [*sides**-2.0, *(max(sd, 1e-9) ** -2.0 for sd in rates)]
-    return Prior(np.array([*_straight_ahead(camera), 0.0, 0.0, 0.0]), information, None)
+    return Prior(np.array([*straight_ahead_px(camera), 0.0, 0.0, 0.0]), information, None)
 
 
 def _inverse(matrix: Floats) -> Floats:
@@ -178,11 +178,6 @@ def _rate_hz(flow: Flow) -> float:
     return float((flow.age_frames[young] / flow.gap_s[young]).min(initial=inf))
 
 
-def _straight_ahead(camera: Camera) -> Floats:
-    """(2,) px, the horizon straight ahead."""
-    return np.array([camera.cx_px, camera.cy_px - camera.fy_px * np.tan(camera.pitch_rad)])
-
-
 def _held(before: Expansion | None, camera: Camera, config: FocusFitConfig, rate_hz: float, count: int) -> Expansion:
     if before is None or config.temporal_prior is None:
         return _unknown(camera, count)
@@ -191,5 +186,5 @@ def _held(before: Expansion | None, camera: Camera, config: FocusFitConfig, rate
 
 
 def _unknown(camera: Camera, count: int) -> Expansion:
-    x, y = (float(value) for value in _straight_ahead(camera))
+    x, y = (float(value) for value in straight_ahead_px(camera))
     return Expansion(x, y, np.full((2, 2), np.inf), np.zeros(count, np.bool_), 0.0)

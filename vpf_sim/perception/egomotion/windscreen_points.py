@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vpf_sim.geometry import rotation_flow
+from vpf_sim.geometry import horizon_px, rotation_flow
 from vpf_sim.perception.egomotion.config import WindscreenPointConfig
 from vpf_sim.perception.egomotion.ground_plane import ground_flow
 from vpf_sim.types import Bools, Camera, Floats
@@ -17,7 +17,7 @@ def scene_motion(camera: Camera, points_px: Floats, past_pose: Floats, pose: Flo
     Above the horizon it is ABOVE_SHARE of the mirrored point's. The rotation does not depend on distance.
     """
     turn = pose[2] - past_pose[:, 2]
-    horizon = camera.cy_px - camera.fy_px * np.tan(camera.pitch_rad)
+    horizon = horizon_px(camera)
     above = points_px[:, 1] < horizon
     mirrored = points_px.copy()
     mirrored[above, 1] = 2.0 * horizon - points_px[above, 1]
