@@ -14,13 +14,14 @@ obstacle dead ahead has no gradient, so it passes late, or stops and stays. docs
 """
 
 from dataclasses import dataclass
-from math import atan2, inf, tan
+from math import atan2
 
 import cv2
 import numpy as np
 
-from vpf_sim.geometry import ground_from_pixels, vehicle_from_world
+from vpf_sim.geometry import ground_from_pixels, horizon_px, vehicle_from_world
 from vpf_sim.perception.egomotion.flow import grey
+from vpf_sim.perception.schedule import Schedule
 from vpf_sim.types import Bools, Camera, Command, Driver, DriverSetup, Floats, Image, Observation, VehicleModel
 
 FRAME_HZ = 20.0
@@ -77,8 +78,7 @@ class PlaneDetector:
     def __init__(self, camera: Camera) -> None:
         across, down = SPACING_PX
         columns = np.arange(across // 2, camera.width_px, across, dtype=float)
-        horizon_px = camera.cy_px - camera.fy_px * tan(camera.pitch_rad)
-        rows = np.arange(horizon_px + BELOW_HORIZON_PX, camera.height_px - down // 2, down)
+        rows = np.arange(horizon_px(camera) + BELOW_HORIZON_PX, camera.height_px - down // 2, down)
         self.shape = len(rows), len(columns)
         self.points_px: Floats = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
         self._near: Bools = np.arange(len(self.points_px)) >= len(self.points_px) // 2  # the lower half
@@ -152,17 +152,16 @@ class DominantPlaneDriver(Driver):
         rows = max(1, int((count > 0.0).sum()))
         self._corridor: Floats = corridor / np.maximum(count, 1.0) / rows  # each row counts the same
         self._side, self._share = 0.0, 1.0
-        self._step_s, self._next_s, self._looked_s = 1.0 / setup.rate_hz, 0.0, -inf
+        self._schedule = Schedule(1.0 / FRAME_HZ, setup.rate_hz)
 
     @property
     def needs_next_frame(self) -> bool:
-        return self._next_s - self._looked_s > 0.9 / FRAME_HZ
+        """Whether it observes at the next step."""
+        return self._schedule.is_due
 
     def act(self, observation: Observation) -> Command:
-        if observation.time_s - self._looked_s > 0.9 / FRAME_HZ:
-            self._looked_s = observation.time_s
+        if self._schedule.step():
             self._observe(observation.image)
-        self._next_s = observation.time_s + self._step_s
         return Command(self._throttle(observation.speed_mps), self._steering(observation))
 
     def _observe(self, image: Image) -> None:

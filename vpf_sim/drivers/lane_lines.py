@@ -221,7 +221,7 @@ class LaneLinesDriver(Driver):
         return Command(throttle, self._steer(observation.speed_mps))
 
     def _observe(self, observation: Observation) -> None:
-        pose = np.array([observation.x_m, observation.y_m, observation.yaw_rad])
+        pose = observation.pose
         if self._lane is not None:
             turned_rad = wrap_angle(float(pose[2] - self._pose[2]))
             self._lane = self._lane.predict(distance_m(pose, self._pose), turned_rad)

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.drivers.learned.manifest import Manifest, PictureInput, StateInput
+from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.policy_state import STATE, policy_state
 from vpf_sim.types import Floats, Image, Observation, Singles
 
@@ -18,7 +19,7 @@ def shrink(image: Image, config: PictureInput) -> Image:
     columns = slice(round(crop.left_share * width), round(crop.right_share * width))
     part = np.ascontiguousarray(image[rows, columns])
     if config.colour == "grey":
-        part = np.asarray(cv2.cvtColor(part, cv2.COLOR_RGB2GRAY), np.uint8)
+        part = grey(part)
     small = np.asarray(cv2.resize(part, (config.width_px, config.height_px), interpolation=cv2.INTER_AREA), np.uint8)
     return small[None] if config.colour == "grey" else np.ascontiguousarray(small.transpose(2, 0, 1))
 
