@@ -41,6 +41,11 @@ class LaneShape:
         share = 0.5 + np.asarray(lateral_m) / width
         return np.asarray(self.left_m + share[:, None] * across)
 
+    def points(self, s_m: Floats, lateral_m: Floats) -> Floats:
+        """(..., 2) world points at stations s, `lateral_m` to the right of the centre line."""
+        left, right = (interpolated(s_m, self.s_m, edge) for edge in (self.left_m, self.right_m))
+        return np.asarray(left + (0.5 + lateral_m / self.width_m)[..., None] * (right - left))
+
     @property
     def width_m(self) -> float:
         """The median width."""

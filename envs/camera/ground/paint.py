@@ -91,7 +91,7 @@ def painted(shapes: list[LaneShape], seed: int, look: RoadAppearance) -> list[Ba
     coarse, coarse_tones = coarse_wear(shapes, rng)
     fine, fine_tones = fine_wear(shapes, rng)
     paint = LINE - np.minimum(np.abs(np.rint(rng.normal(0.0, FADED, len(striped)))), 3 * FADED).astype(np.int64)
-    symbols = road_marks(shapes, stream(seed, "road marks")) if look.marks else []
+    symbols = road_marks(shapes, stream(seed, "road marks")) if look.marks else np.empty((0, 4, 2))
     batches = [
         _strips(far_shoulders, thin=False),
         _strips(shoulders, thin=False, range_m=RAGGED_RANGE_M),
@@ -101,7 +101,7 @@ def painted(shapes: list[LaneShape], seed: int, look: RoadAppearance) -> list[Ba
         _separate(fine, ASPHALT + fine_tones, thin=True, range_m=WEAR_RANGE_M),
         _strips([(a, b, LINE) for a, b in solid], thin=True),
         _separate(striped, paint, thin=True),
-        *(_separate(marks_m, np.full(len(marks_m), LINE - FADED), thin=False) for marks_m in symbols),
+        _separate(symbols, np.full(len(symbols), LINE - FADED), thin=False),
         _separate(worn := flakes(marks, rng), np.full(len(worn), ASPHALT - 3), thin=False, range_m=FLAKE_RANGE_M),
     ]
     return [batch for batch in batches if len(batch.values)]

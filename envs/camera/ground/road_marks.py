@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from vpf_sim.envs.camera.layout import LaneShape, interpolated
+from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.types import Floats
 
 ARROWS_EVERY_M, CROSSINGS_EVERY_M = 45.0, 140.0  # mean distances
@@ -21,16 +21,16 @@ CURVE = [(2.3, 0.0), (3.1, 0.95), (3.4, 0.95), (2.7, 0.0)]
 ARROWS = ((SHAFT, STRAIGHT), (BENT, CURVE, TURNING), (SHAFT, STRAIGHT, CURVE, TURNING))
 
 
-def road_marks(shapes: list[LaneShape], rng: np.random.Generator) -> list[Floats]:
-    """Polygons (n, 4, 2) m of all symbols; a list with one array, or empty for a road too short for any."""
+def road_marks(shapes: list[LaneShape], rng: np.random.Generator) -> Floats:
+    """(n, 4, 2) m, polygons of all symbols."""
     first, last = (max(s.s_m[0] for s in shapes), min(s.s_m[-1] for s in shapes))
     crossings = _places(first, last, CROSSINGS_EVERY_M, rng)
     polygons = []
     for shape in shapes:
         arrows = [part for s in _places(first, last, ARROWS_EVERY_M, rng) for part in _arrow(s, rng)]
         bars = [part for s in crossings for part in _crossing(shape, s)]
-        polygons += [_on_lane(shape, part) for part in (*arrows, *bars)]
-    return [np.array(polygons)] if polygons else []
+        polygons += [shape.points(*np.array(part).T) for part in (*arrows, *bars)]
+    return np.array(polygons).reshape(-1, 4, 2)
 
 
 def _places(first: float, last: float, every_m: float, rng: np.random.Generator) -> list[float]:
@@ -51,10 +51,3 @@ def _crossing(shape: LaneShape, s: float) -> Iterator[list[tuple[float, float]]]
         yield [(s, left), (s, left + BAR_M), (s + CROSSING_M, left + BAR_M), (s + CROSSING_M, left)]
     line = s - BEFORE_CROSSING_M - STOP_LINE_M
     yield [(line, -half), (line, half), (line + STOP_LINE_M, half), (line + STOP_LINE_M, -half)]
-
-
-def _on_lane(shape: LaneShape, part: list[tuple[float, float]]) -> Floats:
-    """(4, 2) m, world points of (s, lateral) on a lane."""
-    s, lateral = np.array(part).T
-    left, right = (interpolated(s, shape.s_m, edge) for edge in (shape.left_m, shape.right_m))
-    return np.asarray(left + (0.5 + lateral / shape.width_m)[:, None] * (right - left))

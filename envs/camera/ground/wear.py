@@ -82,8 +82,7 @@ def _placed(
     for shape in shapes:
         for kind in kinds:
             s, lateral, tone = kind(shape, rng)
-            left, right = (interpolated(s, shape.s_m, edge) for edge in (shape.left_m, shape.right_m))
-            polygons.append(left + (0.5 + lateral / shape.width_m)[..., None] * (right - left))
+            polygons.append(shape.points(s, lateral))
             tones.append(tone)
     return np.concatenate(polygons), np.concatenate(tones)
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.ground.paint import PAVED_SHOULDER_M
-from vpf_sim.envs.camera.layout import LaneShape, interpolated, outer_edges
+from vpf_sim.envs.camera.layout import LaneShape, outer_edges
 from vpf_sim.envs.camera.texture import TILE, grain_tile
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
@@ -133,9 +133,7 @@ def _outlines(shape: LaneShape, rng: np.random.Generator) -> Floats:
     waver *= 1.0 + 0.12 * np.clip(rng.standard_normal((count, VERTICES)), -2.0, 2.0)
     s = np.clip(middle[:, None] + long[:, None] * waver * np.cos(angle), first, last)
     across = lateral[:, None] + wide[:, None] * waver * np.sin(angle)
-    left, right = (interpolated(s, shape.s_m, edge) for edge in (shape.left_m, shape.right_m))
-    share = 0.5 + across / shape.width_m
-    return np.asarray(left + share[..., None] * (right - left))
+    return shape.points(s, across)
 
 
 def _stretches(left: Floats, right: Floats, middle: Floats) -> Floats:

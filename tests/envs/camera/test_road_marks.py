@@ -31,7 +31,7 @@ def test_symbols_lie_within_their_lanes(seed: int) -> None:
     env = FourLane("town04", frames=False)
     env.reset(seed=0)
     shapes = lane_shapes(env.road)
-    (polygons,) = road_marks(shapes, np.random.default_rng(seed))
+    polygons = road_marks(shapes, np.random.default_rng(seed))
     _, lateral_m = env.road.network.centre.local(polygons)
     lanes = np.floor((lateral_m + env.road.network.half_width_m) / 3.5 - 1e-6 * np.sign(lateral_m))
     assert np.abs(lateral_m).max() <= env.road.network.half_width_m + 0.01
