@@ -13,8 +13,8 @@ BEYOND_GOAL_M = 40.0
 SPACING_M = 1.0
 
 
-class Manoeuvre(NamedTuple):
-    """A part of the route on which the driver is told which way to take."""
+class Fork(NamedTuple):
+    """A part of the route along which `Observation.turn` names the way to take."""
 
     start_m: float  # along the route
     end_m: float
@@ -35,12 +35,12 @@ class Route:
         goal_s_m: float,
         offset_m: float = 0.0,
         goal_sides_m: tuple[float, float] = (-inf, inf),
-        manoeuvres: tuple[Manoeuvre, ...] = (),
+        forks: tuple[Fork, ...] = (),
     ) -> None:
         self.centre = centre
         self.offset_m = offset_m
         self.start_s_m, self.goal_s_m = start_s_m, goal_s_m
-        self._goal_sides_m, self._manoeuvres = goal_sides_m, manoeuvres
+        self._goal_sides_m, self._forks = goal_sides_m, forks
         self._start_heading_rad = centre.heading_at(start_s_m)
         self.length_m = self.progress(goal_s_m)
         self.goal_m = centre.position_at(goal_s_m, offset_m)
@@ -61,7 +61,7 @@ class Route:
 
     def turn(self, route_m: float) -> Turn:
         """The way to take next, at a distance along the route."""
-        return next((each.turn for each in self._manoeuvres if each.start_m <= route_m < each.end_m), "lane")
+        return next((each.turn for each in self._forks if each.start_m <= route_m < each.end_m), "lane")
 
     def waypoints(self) -> Floats:
         """(M, 2) m, 1 m apart, from the start to `BEYOND_GOAL_M` beyond the goal."""

@@ -1,4 +1,4 @@
-"""What a driver is told where roads part: left, straight or right, as CARLA's leaderboard does.
+"""The way that a driver gets where roads part: left, straight or right, as CARLA's leaderboard does.
 
 Of the roads that leave a node, "straight" is the one whose direction changes least, and the others are to its left or
 right. So on a roundabout "straight" goes on around it, and "right" leaves it.
@@ -12,18 +12,18 @@ from highway_env.road.lane import AbstractLane
 from highway_env.road.road import LaneIndex, RoadNetwork
 
 from vpf_sim.envs.highway.lanes import Stretch
-from vpf_sim.envs.route import Manoeuvre
+from vpf_sim.envs.route import Fork
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.types import Turn
 
 BEARING_M = 20.0  # how far along a road its direction is measured
-NOTICE_S, NOTICE_M = 4.0, 20.0  # told so long before the fork, and at least this far
+NOTICE_S, NOTICE_M = 4.0, 20.0  # before the fork, at least so long and so far
 JUNCTION_M = 30.0  # and up to this far behind it
 
 
-def manoeuvres(
+def forks(
     network: RoadNetwork, route: Sequence[Stretch], ends_m: Sequence[float], speed_mps: float
-) -> tuple[Manoeuvre, ...]:
+) -> tuple[Fork, ...]:
     """The forks on a route, with the way to take; `ends_m` are s, m, at the ends of its stretches.
 
     A lane change that leads to a fork belongs to it.
@@ -38,7 +38,7 @@ def manoeuvres(
             first -= 1
         changed_from_m = (ends_m[first] if first >= 0 else 0.0) if first < number else fork_m
         start_m = min(changed_from_m, fork_m - max(NOTICE_M, NOTICE_S * speed_mps))
-        found.append(Manoeuvre(start_m, fork_m + min(after.end_m - after.start_m, JUNCTION_M), turn))
+        found.append(Fork(start_m, fork_m + min(after.end_m - after.start_m, JUNCTION_M), turn))
     return tuple(found)
 
 

@@ -10,8 +10,8 @@ from vpf_sim.envs.highway.lane_graph import ROUTE_HALF_M, LaneGraph
 from vpf_sim.envs.highway.lanes import Road, Stretch, roads_to, stretches
 from vpf_sim.envs.highway.path import centre_line
 from vpf_sim.envs.highway.traffic import Traffic
-from vpf_sim.envs.highway.turns import manoeuvres
-from vpf_sim.envs.route import BEYOND_GOAL_M, Manoeuvre, Route
+from vpf_sim.envs.highway.turns import forks
+from vpf_sim.envs.route import BEYOND_GOAL_M, Fork, Route
 from vpf_sim.scenarios import HighwayScenario
 
 DESTINATIONS = {"exit-v0": "exit"}  # of ids that have one which highway-env does not plan
@@ -26,7 +26,7 @@ def build(scenario: HighwayScenario, seed: int, friction: float | None) -> tuple
     lanes = stretches(network, start.lane_index, start.position, _roads(scenario, traffic), needed_m)
     line, ends_m = centre_line(network, lanes)
     graph = traffic.road.network = LaneGraph(network, line, _lanes_for_idm(lanes))
-    route = _route(scenario, graph, line.length_m, manoeuvres(network, lanes, ends_m, scenario.ego.speed_reference_mps))
+    route = _route(scenario, graph, line.length_m, forks(network, lanes, ends_m, scenario.ego.speed_reference_mps))
     speed_mps = start.speed if scenario.ego.speed_mps is None else scenario.ego.speed_mps
     ego = Ego(traffic.road, np.array(start.position, float), float(start.heading), float(speed_mps), friction)
     ego.target_speed = scenario.ego.speed_reference_mps
@@ -49,11 +49,11 @@ def _lanes_for_idm(lanes: Sequence[Stretch]) -> list[tuple[str, str, int | None]
     return [(*one.left[:2], one.left[2] if one.changes_lane else None) for one in lanes]
 
 
-def _route(scenario: HighwayScenario, graph: LaneGraph, length_m: float, turns: tuple[Manoeuvre, ...]) -> Route:
+def _route(scenario: HighwayScenario, graph: LaneGraph, length_m: float, ways: tuple[Fork, ...]) -> Route:
     """The route along the graph's reference line, up to the goal or the end of the lanes."""
     goal_m = min(scenario.goal.route_m, length_m)
     (x, y), heading = graph.centre.position_at(goal_m, 0.0), graph.centre.heading_at(goal_m)
     sides = graph.edges_at(x, y, heading)
     if isnan(sides[0]):  # in a junction
         sides = -ROUTE_HALF_M, ROUTE_HALF_M
-    return Route(graph.centre, 0.0, goal_m, goal_sides_m=sides, manoeuvres=turns)
+    return Route(graph.centre, 0.0, goal_m, goal_sides_m=sides, forks=ways)

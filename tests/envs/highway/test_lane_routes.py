@@ -59,14 +59,14 @@ def test_the_route_leads_to_highway_envs_destination() -> None:
 
 
 @pytest.mark.parametrize(("destination", "turn"), [("o1", "left"), ("o2", "straight"), ("o3", "right")])
-def test_the_driver_is_told_the_turn_at_the_intersection(destination: str, turn: str) -> None:
+def test_the_route_names_the_turn_at_the_intersection(destination: str, turn: str) -> None:
     route = world("intersection-v1", destination=destination).route
-    told = [route.turn(float(s)) for s in np.arange(0.0, route.length_m)]
-    assert set(told) == {"lane", turn}
+    named = [route.turn(float(s)) for s in np.arange(0.0, route.length_m)]
+    assert set(named) == {"lane", turn}
     heading = route.centre.heading_at(route.length_m) - route.centre.heading_at(0.0)
     turned = (heading + np.pi) % (2.0 * np.pi) - np.pi
     assert turned == pytest.approx({"left": -np.pi / 2.0, "straight": 0.0, "right": np.pi / 2.0}[turn], abs=0.02)
-    assert told[-1] == "lane", "past the junction"
+    assert named[-1] == "lane", "past the junction"
 
 
 def test_turns_are_named_by_their_direction_and_only_where_roads_part() -> None:
