@@ -118,22 +118,26 @@ def _columns(place: Place, episode: Episode) -> Columns:
 def _write_table(path: Path, columns: Columns) -> None:
     """Write columns of numbers; (n, k) ones as lists of k."""
     import pyarrow as pa
-    import pyarrow.parquet as pq
 
     arrays = {
         key: pa.FixedSizeListArray.from_arrays(values.ravel(), values.shape[1]) if values.ndim == 2 else values
         for key, values in columns.items()
     }
-    with replacing(path) as draft:
-        pq.write_table(pa.table(arrays), draft)
+    _write(path, pa.table(arrays))
 
 
 def _write_rows(path: Path, rows: list[dict[str, Any]]) -> None:
     import pyarrow as pa
+
+    _write(path, pa.Table.from_pylist(rows))
+
+
+def _write(path: Path, table: Any) -> None:
+    """Write an Arrow table as Parquet."""
     import pyarrow.parquet as pq
 
     with replacing(path) as draft:
-        pq.write_table(pa.Table.from_pylist(rows), draft)
+        pq.write_table(table, draft)
 
 
 def _episode_row(one: Written) -> dict[str, Any]:

@@ -1,7 +1,6 @@
 """Shadows that the scenery casts on the ground: a mask on the rasters of the ground's levels."""
 
 from collections.abc import Callable
-from functools import partial
 
 import cv2
 import numpy as np
@@ -9,7 +8,6 @@ import numpy as np
 from vpf_sim.envs.camera.ground.levels import Level
 from vpf_sim.envs.camera.ground.paint import Batch
 from vpf_sim.envs.camera.ground.patches import Patch, patch_of
-from vpf_sim.envs.camera.ground.raster import Raster
 from vpf_sim.envs.camera.ground.surface import Surface
 from vpf_sim.types import Camera, Floats, Image
 
@@ -35,17 +33,13 @@ def shadow_patches(
     """A patch per level with the mask of the shadows, 0 in the sun and 255 in full shadow."""
     batches = shadow_batches(outlines)
     surfaces = [Surface(batches, level.near_m, fine(level), outside=LIT) for level in levels]
-    return [patch_of(camera, level, partial(_paint, surface)) for level, surface in zip(levels, surfaces, strict=True)]
+    return [patch_of(camera, level, surface.paint) for level, surface in zip(levels, surfaces, strict=True)]
 
 
 def darken(frame: Image, mask: Image, left: float) -> None:
     """Multiply rows (H, W, 3) in place by `left` where the mask (H, W) is 255, and by less change where it is less."""
     share = cv2.convertScaleAbs(mask, None, left - 1.0, 255.0)
     cv2.multiply(frame, cv2.cvtColor(share, cv2.COLOR_GRAY2BGR), frame, scale=1 / 255)
-
-
-def _paint(surface: Surface, raster: Raster) -> Image:
-    return surface.paint(raster)
 
 
 def _areas_m2(polygons: Floats) -> Floats:

@@ -49,7 +49,7 @@ def ground_table(light: Light, wetness: float, ramp: Floats = RAMP) -> NDArray[n
     soaked = wetness * np.interp(values, WET_SHARE[:, 0], WET_SHARE[:, 1])[:, None]
     exponent = 1.0 + soaked * np.log(WET_FACTOR) / np.log(ASPHALT_GREY / PAINT_GREY)
     wet = PAINT_GREY * (colours / PAINT_GREY) ** exponent
-    lit = np.clip(wet * _level(light) / _level(_noon()), 0.0, 255.0)
+    lit = np.clip(wet * light.ground / _noon().ground, 0.0, 255.0)
     table: NDArray[np.uint8] = np.rint(lit[:, None, :]).astype(np.uint8)
     return table
 
@@ -69,8 +69,3 @@ def blotch_strength() -> NDArray[np.float32]:
 @lru_cache(maxsize=1)
 def _noon() -> Light:
     return Light.of(weather.PRESETS["ClearNoon"])
-
-
-def _level(light: Light) -> Floats:
-    """(3,) RGB factor of a horizontal surface."""
-    return np.asarray(light.sky + light.direct * max(float(light.sun[2]), 0.0))

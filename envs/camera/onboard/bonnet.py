@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.types import Bools, Camera, Floats, Image
+from vpf_sim.types import Bools, Camera, Image
 
 SHARE = 0.13  # of the picture's height, in its middle
 CURVE = 0.22  # how much of that it loses towards the sides
@@ -25,8 +25,8 @@ class Bonnet:
         cover = np.rint(255.0 * np.clip(rows - edge + 0.5, 0.0, 1.0)).astype(np.uint8)
         self._cover = cv2.cvtColor(cover, cv2.COLOR_GRAY2RGB)
         self._uncovered = cv2.bitwise_not(self._cover)
-        lit: Floats = PAINT * (light.sky + light.direct * max(float(light.sun[2]), 0.0))
-        self._paint: Image = np.broadcast_to(np.clip(lit, 0.0, 255.0), self._cover.shape).astype(np.uint8)
+        lit = np.clip(PAINT * light.ground, 0.0, 255.0)
+        self._paint: Image = np.broadcast_to(lit, self._cover.shape).astype(np.uint8)
 
     def draw(self, frame: Image) -> None:
         """Draw the bonnet over the frame, in place."""

@@ -11,6 +11,7 @@ from vpf_sim.geometry import wrap_angle
 from vpf_sim.types import Image
 
 PERIOD_S = 0.1  # between measurements of the exposure
+BEFORE = -1  # the period before the first
 TARGET = 112.0  # mean grey level that the exposure control wants
 WEAKEST, STRONGEST = 0.6, 1.7  # gains
 TEXT_SHARE, TEXT_AT = 0.028, 0.015  # height of the text and distance from the edges, of the picture's height
@@ -22,13 +23,12 @@ class ExposureControl:
 
     def __init__(self, lag_s: float) -> None:
         self._gain = 1.0
-        self._step = 0
+        self._measured = BEFORE
         self._weight = 1.0 - exp(-PERIOD_S / lag_s) if lag_s > 0.0 else 0.0
-        self._is_first = True
 
     def is_due(self, time_s: float) -> bool:
         """Whether the picture of this moment is measured."""
-        return self._weight > 0.0 and (self._is_first or int(time_s / PERIOD_S + 1e-6) > self._step)
+        return self._weight > 0.0 and _period_at(time_s) > self._measured
 
     def apply(self, frame: Image, time_s: float) -> None:
         """Scale the frame in place by the present gain, and measure it if due."""
@@ -36,9 +36,14 @@ class ExposureControl:
             return
         if self.is_due(time_s):
             wanted = min(max(TARGET / max(float(frame.mean()), 1.0), WEAKEST), STRONGEST)
-            self._gain += (1.0 if self._is_first else self._weight) * (wanted - self._gain)
-            self._is_first, self._step = False, int(time_s / PERIOD_S + 1e-6)
+            self._gain += (1.0 if self._measured == BEFORE else self._weight) * (wanted - self._gain)
+            self._measured = _period_at(time_s)
         cv2.convertScaleAbs(frame, frame, self._gain)
+
+
+def _period_at(time_s: float) -> int:
+    """The number of the period that a moment belongs to."""
+    return int(time_s / PERIOD_S + 1e-6)
 
 
 class Recorder:

@@ -10,19 +10,19 @@ from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Image
 
 TEXELS = (240, 320)  # of the noise, rows and columns over the picture
-SPOT_TEXELS, SOFT = 7.0, 0.35  # size of spots, and softness of their edges in standard deviations
-OPAQUE = 0.75  # of the middle of a spot
+STAIN_TEXELS, SOFT = 7.0, 0.35  # size of stains, and softness of their edges in standard deviations
+OPAQUE = 0.75  # opacity of a stain's middle
 DIRT = np.array([0.62, 0.58, 0.5])  # of the horizon's light
 VENTS = 7  # bright bands of a dashboard
 
 
 class Windscreen:
-    """Spots that cover a share `dirt` of the picture, and light of the dashboard, `reflection` of full brightness."""
+    """Stains that cover a share `dirt` of the picture, and light of the dashboard, `reflection` of full brightness."""
 
     def __init__(self, rig: Rig, light: Light, seed: int) -> None:
         size = (rig.camera.width_px, rig.camera.height_px)
         rng = stream(seed, "windscreen")
-        alpha = np.rint(255.0 * cv2.resize(_spots(rig.dirt, rng), size)).astype(np.uint8)
+        alpha = np.rint(255.0 * cv2.resize(_stains(rig.dirt, rng), size)).astype(np.uint8)
         self._alpha = cv2.cvtColor(alpha, cv2.COLOR_GRAY2RGB)
         self._through = cv2.bitwise_not(self._alpha)
         dirt = np.broadcast_to(np.clip(DIRT * light.horizon, 0.0, 255.0), self._alpha.shape).astype(np.uint8)
@@ -44,9 +44,9 @@ class Windscreen:
         return np.asarray(self._alpha)[..., 0] > 127
 
 
-def _spots(share: float, rng: np.random.Generator) -> Image:
-    """TEXELS opacity 0 to 1: soft spots that cover a share of the picture."""
-    field = noise(TEXELS, rng, SPOT_TEXELS, 0.6)
+def _stains(share: float, rng: np.random.Generator) -> Image:
+    """TEXELS opacity 0 to 1: soft stains that cover a share of the picture."""
+    field = noise(TEXELS, rng, STAIN_TEXELS, 0.6)
     level = float(np.quantile(field, 1.0 - share)) if share > 0.0 else np.inf
     return np.asarray(OPAQUE * np.clip((field - level) / SOFT + 0.5, 0.0, 1.0), np.float32)
 
