@@ -82,7 +82,11 @@ class RoadAppearance(Section):
         default=3.0, description="length of a lane line's stripes"
     )
     gap_m: Annotated[float, Field(gt=0.0, le=50.0)] = Field(default=6.0, description="between them")
-    marks: bool = Field(default=False, description="true: arrows in the lanes, stop lines and zebra crossings")
+    double_lines: bool = Field(default=False, description="true: solid lines between lanes are double")
+    marks: bool = Field(default=False, description="true: arrows and words in the lanes, stop lines, zebra crossings")
+    bus_lane: bool = Field(default=False, description="true: the rightmost lane is darker, behind a broad line")
+    tram_rails: bool = Field(default=False, description="true: rails in the leftmost lane")
+    kerbs: bool = Field(default=False, description="true: kerb stones and a pavement beside the road, drawn flat")
     shadows: bool = Field(default=False, description="true: trees, posts, signs and gantries cast shadows in the sun")
 
 
@@ -102,6 +106,11 @@ class Road(Section):
     @property
     def length_m(self) -> float:
         return sum(segment.length_m for segment in self.segments)
+
+    @property
+    def own_lanes(self) -> int:
+        """Lanes in the ego's direction."""
+        return self.lanes - self.oncoming_lanes
 
     @property
     def half_width_m(self) -> float:

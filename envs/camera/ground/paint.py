@@ -10,7 +10,8 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.envs.camera.ground.road_marks import road_marks
+from vpf_sim.envs.camera.ground import street
+from vpf_sim.envs.camera.ground.road_marks import bus_words, road_marks
 from vpf_sim.envs.camera.ground.wear import (
     FLAKE_RANGE_M,
     WEAR_RANGE_M,
@@ -27,7 +28,7 @@ from vpf_sim.types import Floats
 # Palette values: one ramp from grass over gravel and asphalt to paint, so that blending values blends colours.
 GRASS, GRAVEL, ASPHALT, LINE = 45, 98, 150, 222
 
-LINE_WIDTH_M = 0.15
+LINE_WIDTH_M, BROAD_LINE_M = 0.15, 0.3
 FADED = 8  # typical loss of a stripe's brightness, palette values
 PAVED_SHOULDER_M = 0.5
 GRAVEL_SHOULDER_M = 1.3
@@ -83,22 +84,31 @@ def painted(shapes: list[LaneShape], seed: int, look: RoadAppearance) -> list[Ba
     beside_m = PAVED_SHOULDER_M + GRAVEL_SHOULDER_M
     far_shoulders = [(edge.at(-0.3), edge.at(beside_m), GRAVEL) for edge in outer]
     shoulders = [_ragged(edge, beside_m, 0.28, GRAVEL, rng) for edge in outer]
+    kerbs = [strip for edge in outer for strip in street.kerbs(edge)] if look.kerbs else []
+    bus_lanes = street.outermost(shapes, outer, "right") if look.bus_lane else []
+    tram_lanes = street.outermost(shapes, outer, "left") if look.tram_rails else []
     paved = [(edge.at(-0.3), edge.at(PAVED_SHOULDER_M), ASPHALT - 4) for edge in outer]
     surfaces = [(shape.left_m, shape.right_m, ASPHALT + int(rng.integers(-2, 3))) for shape in shapes]
-    solid = [_ribbon(line, LINE_WIDTH_M) for line in marks if not line.striped]
+    bus_surfaces = [(shape.left_m, shape.right_m, street.BUS_LANE) for shape in bus_lanes]
+    solid = [ribbon for line in marks if not line.striped for ribbon in _solid(line, outer, look)]
+    solid += [_ribbon(Line(shape.s_m, shape.left_m, striped=False), BROAD_LINE_M) for shape in bus_lanes]
+    rails = [strip for shape in tram_lanes for strip in street.tram_rails(shape)]
     striped = np.concatenate([np.empty((0, 6, 2)), *(_stripe_polygons(line, look) for line in marks if line.striped)])
     polished = [(left, right, ASPHALT + tone) for left, right, tone in tracks(shapes)]
     coarse, coarse_tones = coarse_wear(shapes, rng)
     fine, fine_tones = fine_wear(shapes, rng)
     paint = LINE - np.minimum(np.abs(np.rint(rng.normal(0.0, FADED, len(striped)))), 3 * FADED).astype(np.int64)
     symbols = road_marks(shapes, stream(seed, "road marks")) if look.marks else np.empty((0, 4, 2))
+    symbols = np.concatenate([symbols, *map(bus_words, bus_lanes)])
     batches = [
         _strips(far_shoulders, thin=False),
         _strips(shoulders, thin=False, range_m=RAGGED_RANGE_M),
-        _strips(paved + surfaces, thin=False),
+        _strips(paved + surfaces + bus_surfaces, thin=False),
+        _strips(kerbs, thin=False),
         _strips(polished, thin=False, range_m=WEAR_RANGE_M),
         _separate(coarse, ASPHALT + coarse_tones, thin=False, range_m=WEAR_RANGE_M),
         _separate(fine, ASPHALT + fine_tones, thin=True, range_m=WEAR_RANGE_M),
+        _strips(rails, thin=True),
         _strips([(a, b, LINE) for a, b in solid], thin=True),
         _separate(striped, paint, thin=True),
         _separate(symbols, np.full(len(symbols), LINE - FADED), thin=False),
@@ -114,6 +124,14 @@ def _ragged(
     fine = edge.resampled(RAGGED_STEP_M)
     outline = wide_m + rough_m * np.clip(rng.standard_normal(len(fine.points_m)), -2.0, 2.0)
     return fine.at(-0.3), fine.at(outline[:, None]), value
+
+
+def _solid(line: Line, outer: list[Edge], look: RoadAppearance) -> list[tuple[Floats, Floats]]:
+    """One ribbon for a solid line, or two with a gap of the same width."""
+    if not look.double_lines or street.is_outer(line.points_m, outer, LINE_WIDTH_M):
+        return [_ribbon(line, LINE_WIDTH_M)]
+    (left, right), (inner_left, inner_right) = (_ribbon(line, width * LINE_WIDTH_M) for width in (3.0, 1.0))
+    return [(left, inner_left), (inner_right, right)]
 
 
 def _ribbon(line: Line, width_m: float) -> tuple[Floats, Floats]:

@@ -1,13 +1,16 @@
-"""Symbols painted on the road: arrows in the lanes, stop lines, zebra crossings. The seed places them."""
+"""Symbols painted on the road: arrows and words in the lanes, stop lines, zebra crossings. The seed places them."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
+from vpf_sim.envs.camera.ground.words import WORDS, word
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.types import Floats
 
-ARROWS_EVERY_M, CROSSINGS_EVERY_M = 45.0, 140.0  # mean distances
+SYMBOLS_EVERY_M, CROSSINGS_EVERY_M = 45.0, 140.0  # mean distances
+BUS_EVERY_M = 40.0
+WORD_SHARE = 0.3  # of the symbols, the rest are arrows
 ARROW_M = 5.0  # length
 STOP_LINE_M, BEFORE_CROSSING_M = 0.5, 1.5  # width of a stop line, and its distance from the crossing
 BAR_M, BARS_EVERY_M, CROSSING_M = 0.5, 1.0, 3.0  # bars of a zebra crossing: width, spacing, length along the road
@@ -27,14 +30,31 @@ def road_marks(shapes: list[LaneShape], rng: np.random.Generator) -> Floats:
     crossings = _places(first, last, CROSSINGS_EVERY_M, rng)
     polygons = []
     for shape in shapes:
-        arrows = [part for s in _places(first, last, ARROWS_EVERY_M, rng) for part in _arrow(s, rng)]
+        symbols = [part for s in _places(first, last, SYMBOLS_EVERY_M, rng) for part in _symbol(s, rng)]
         bars = [part for s in crossings for part in _crossing(shape, s)]
-        polygons += [shape.points(*np.array(part).T) for part in (*arrows, *bars)]
+        polygons += [shape.points(*np.array(part).T) for part in (*symbols, *bars)]
     return np.array(polygons).reshape(-1, 4, 2)
+
+
+def bus_words(shape: LaneShape) -> Floats:
+    """(n, 4, 2) m, polygons of BUS along a lane."""
+    starts = np.arange(shape.s_m[0], shape.s_m[-1], BUS_EVERY_M)
+    parts = np.array(list(word("BUS")))
+    ahead, right = np.broadcast_arrays(starts[:, None, None] + parts[..., 0], parts[..., 1])
+    return shape.points(ahead, right).reshape(-1, 4, 2)
 
 
 def _places(first: float, last: float, every_m: float, rng: np.random.Generator) -> list[float]:
     return sorted(rng.uniform(first, last, rng.poisson((last - first) / every_m)).tolist())
+
+
+def _symbol(s: float, rng: np.random.Generator) -> Iterator[list[tuple[float, float]]]:
+    """The parts of a random word or arrow as (s, lateral) m."""
+    if rng.random() < WORD_SHARE:
+        text = WORDS[int(rng.integers(len(WORDS)))]
+        yield from ([(s + ahead, right) for ahead, right in part] for part in word(text))
+    else:
+        yield from _arrow(s, rng)
 
 
 def _arrow(s: float, rng: np.random.Generator) -> Iterator[list[tuple[float, float]]]:

@@ -171,6 +171,17 @@ def barrier(length: float, width: float, height: float, rng: np.random.Generator
     return b.build()
 
 
+def door(length: float, width: float, height: float, rng: np.random.Generator) -> Mesh:
+    """A car's door: a panel with a window above and the lining on its inner side."""
+    b = MeshBuilder()
+    paint = PAINTS[int(rng.integers(len(PAINTS)))]
+    panels = box(b, (-0.5 * length, -0.5 * width, 0.25), (0.5 * length, 0.5 * width, height), paint)
+    for name, lining in (("left", paint), ("right", (52, 52, 54))):
+        b.detail(panels[name], (0.0, 0.0), (1.0, 0.58), lining)
+        b.detail(panels[name], (0.06, 0.62), (0.94, 0.95), (70, 82, 92))
+    return b.build()
+
+
 def _running_gear(b: MeshBuilder, length: float, width: float, radius: float) -> None:
     """Underside and wheels as visible from behind and from the front."""
     half = 0.5 * width - 0.1
@@ -197,4 +208,5 @@ MAKERS: dict[str, Maker] = {
     "pedestrian": pedestrian,
     "cyclist": cyclist,
     "deer": deer,
+    "door": door,
 }

@@ -6,16 +6,30 @@ import pytest
 
 from vpf_sim import scenarios
 from vpf_sim.envs.camera.ground.cast_shadows import shadow_batches
+from vpf_sim.envs.camera.ground.paint import LINE, painted
 from vpf_sim.envs.camera.ground.road_marks import road_marks
+from vpf_sim.envs.camera.ground.words import LETTERS, WORD_M, WORDS, word
 from vpf_sim.envs.camera.layout import lane_shapes, lines, stripes
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.weather import PRESETS
 from vpf_sim.envs.four_lane import FourLane
-from vpf_sim.types import Image
+from vpf_sim.types import Floats, Image
 
 ROAD = """
 base = "straight"
 schema = 1
+[road.look]
+"""
+
+
+STRAIGHT = """
+schema = 1
+[road]
+segments = [{{kind = "line", length_m = 200}}]
+[ego]
+lane = {lane}
+[goal]
+s_m = 150.0
 [road.look]
 """
 
@@ -45,6 +59,59 @@ def test_marks_brighten_the_lanes_alone() -> None:
     change = (marked - plain).max(axis=2)
     assert (change[:239] == 0).all()
     assert 200 < (change[240:] > 40).sum() < 60_000
+
+
+@pytest.mark.parametrize("text", WORDS)
+def test_words_read_from_left_to_right_and_are_as_long_as_they_should_be(text: str) -> None:
+    strokes = np.array(list(word(text)))
+    assert np.ptp(strokes[..., 0]) == pytest.approx(WORD_M, abs=0.25)
+    assert abs(strokes[..., 1].min() + strokes[..., 1].max()) < 0.25
+    assert np.ptp(strokes[..., 1]) < 3.0
+    letters = np.split(strokes, np.cumsum([len(LETTERS[letter]) for letter in text])[:-1])
+    middles = [float(letter[..., 1].mean()) for letter in letters]
+    assert middles == sorted(middles)
+
+
+TOWN = {
+    "bus_lane": (1, [-1.75], []),
+    "tram_rails": (4, [-0.75, 0.75], [-1.2, 0.0, 1.2]),
+    "kerbs": (1, [1.75 + 0.575], [0.0]),
+}
+
+
+@pytest.mark.parametrize("key", TOWN)
+def test_parts_of_a_street_are_bright_where_they_lie(key: str) -> None:
+    lane, bright_m, as_before_m = TOWN[key]
+    plain, street = (levels(f"{key} = {value}", lane, [*bright_m, *as_before_m]) for value in ("false", "true"))
+    assert (street - plain)[: len(bright_m)].min() > 12.0
+    assert np.abs(street - plain)[len(bright_m) :].max(initial=0.0) < 4.0
+
+
+def levels(look: str, lane: int, laterals_m: list[float]) -> Floats:
+    """Mean grey levels 8 to 20 m ahead, at lateral positions right of the middle of a lane on a straight road."""
+    env = FourLane(scenarios.parse(f"{STRAIGHT.format(lane=lane)}{look}", "look.toml"), "clear")
+    picture = cv2.cvtColor(env.reset(seed=4)[0]["image"], cv2.COLOR_RGB2GRAY)
+    ahead_m, camera = np.linspace(8.0, 20.0, 400), env.rig.camera
+    column = camera.cx_px + camera.fx_px * np.array(laterals_m)[:, None] / ahead_m
+    row = np.broadcast_to(camera.cy_px + camera.fy_px * camera.height_m / ahead_m, column.shape)
+    found = cv2.remap(picture.astype(np.float32), column.astype(np.float32), row.astype(np.float32), cv2.INTER_LINEAR)
+    return np.asarray(found.mean(axis=1), float)
+
+
+def test_a_double_line_has_a_gap_as_wide_as_its_lines() -> None:
+    road = scenarios.parse('base = "oncoming"\nschema = 1\n[road.look]\ndouble_lines = true', "look.toml")
+    env = FourLane(road, frames=False)
+    env.reset(seed=0)
+    across_m = np.arange(-0.4, 0.4, 0.01)
+    s, lateral = np.broadcast_arrays(np.linspace(20.0, 40.0, 50)[:, None], across_m)
+    points = env.road.network.centre.position(s.ravel(), lateral.ravel()).astype(np.float32)
+    strips = [batch for batch in painted(lane_shapes(env.road), 0, env.road.network.appearance) if batch.thin]
+    white = [polygon for batch in strips for polygon in batch.polygons_m[batch.values == LINE].astype(np.float32)]
+    inside = [any(cv2.pointPolygonTest(p, point, False) >= 0 for p in white) for point in points.tolist()]
+    share = np.array(inside).reshape(s.shape).mean(axis=0)
+    lines_at = np.abs(np.abs(across_m) - 0.15) < 0.06
+    assert share[lines_at].min() == 1.0
+    assert share[np.abs(across_m) < 0.06].max() == 0.0
 
 
 def test_stripes_have_their_lengths() -> None:
