@@ -62,6 +62,7 @@ class Actor(Vehicle):  # type: ignore[misc]
         centre = road.network.centre
         super().__init__(road, centre.position_at(*place), centre.heading_at(place[0]) + self._turn_rad, speed)
         self.target_speed = speed
+        self.check_collisions = self.kind != "door"  # it touches the car that it belongs to; the ego checks
 
     def act(self, action: object = None) -> None:  # noqa: ARG002
         """Begin the manoeuvre that is due, and set the acceleration; the argument is ignored."""

@@ -22,6 +22,7 @@ class StaticObstacle(Obstacle):  # type: ignore[misc]
         self.place = place  # s, lateral on the carriageway
         centre = road.network.centre
         super().__init__(road, centre.position_at(*place), centre.heading_at(place[0]) + (math.pi if oncoming else 0.0))
+        self.check_collisions = False  # what moves checks
 
 
 def _class_by_kind(base: type[RoadObject], kinds: Iterable[ObjectKind]) -> dict[ObjectKind, type[Any]]:

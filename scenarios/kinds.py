@@ -4,7 +4,7 @@ from typing import Literal, NamedTuple
 
 from vpf_sim.types import VehicleModel
 
-ObjectKind = Literal["car", "van", "truck", "cone", "pallet", "barrier", "pedestrian", "cyclist", "deer"]
+ObjectKind = Literal["car", "van", "truck", "cone", "pallet", "barrier", "pedestrian", "cyclist", "deer", "door"]
 
 
 class Size(NamedTuple):
@@ -25,8 +25,11 @@ SIZES: dict[ObjectKind, Size] = {
     "pedestrian": Size(0.4, 0.5, 1.75),
     "cyclist": Size(1.8, 0.6, 1.75),
     "deer": Size(1.5, 0.45, 1.3),
+    "door": Size(1.0, 0.12, 1.3),  # of a parked car: along its side, and across the road once it opens
 }
 
-MOVING: frozenset[ObjectKind] = frozenset({"car", "van", "truck", "pedestrian", "cyclist", "deer"})  # may have a speed
+MOVING: frozenset[ObjectKind] = frozenset(
+    {"car", "van", "truck", "pedestrian", "cyclist", "deer", "door"}
+)  # may have a speed
 
 EGO_SIZE = Size(VehicleModel().length_m, VehicleModel().width_m, 1.5)

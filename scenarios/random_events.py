@@ -1,15 +1,15 @@
-"""Traffic that does things on a random road: crossing, cutting in, braking hard. The seed draws all of it."""
+"""What happens on a random road: crossing, cutting in, braking hard, doors, oncoming traffic. The seed draws it."""
 
 from collections.abc import Iterator
 from typing import Literal
 
 import numpy as np
 
-from vpf_sim.scenarios.kinds import ObjectKind
+from vpf_sim.scenarios.kinds import SIZES, ObjectKind
 from vpf_sim.scenarios.parts import Ego, Goal, Manoeuvre, ObjectSpec, Road
 
-Event = Literal["crossing", "cut-in", "hard-brake"]
-EVENTS: tuple[Event, ...] = ("crossing", "cut-in", "hard-brake")
+Event = Literal["crossing", "cut-in", "hard-brake", "door"]
+EVENTS: tuple[Event, ...] = ("crossing", "cut-in", "hard-brake", "door")
 
 CROSSING_MPS: dict[ObjectKind, tuple[float, float]] = {
     "pedestrian": (1.0, 2.0),
@@ -22,23 +22,35 @@ TO_SPARE_M = (1.0, 9.0)  # way left to the ego when who crosses is in its lane, 
 CUT_IN_M, CUT_IN_MPS = (8.0, 15.0), (0.8, 1.5)  # free road at which it begins, and speed sideways
 BRAKES_WITHIN_M, BRAKES_MPS2 = (8.0, 16.0), (4.0, 8.0)
 WAITS_S, GOES_ON_MPS = (3.0, 7.0), (6.5, 9.0)
+OPENS_WITHIN_M, OPENS_MPS = (6.0, 14.0), (1.0, 2.0)
+OPEN_M = 0.95  # how far a door reaches out
+FIRST_ONCOMING_M, ONCOMING_MPS = 80.0, (5.0, 12.0)
 LAST_M = 25.0  # least distance of a place from the goal
 
 
 def events(
     kinds: tuple[Event, ...], count: int, road: Road, ego: Ego, goal: Goal, rng: np.random.Generator
 ) -> Iterator[ObjectSpec]:
-    """`count` actors, evenly spread along the route: one in each stretch."""
+    """`count` events, evenly spread along the route: one in each stretch."""
     stretch_m = max(goal.s_m - LAST_M - ego.s_m, 0.0) / max(count, 1)
     for number in range(count):
         s_m = ego.s_m + stretch_m * (number + float(rng.uniform(0.4, 0.9)))
         kind = kinds[int(rng.integers(len(kinds)))]
         if kind == "crossing":
             yield _crossing(road, ego, s_m, rng)
-        elif kind == "cut-in" and road.lanes > 1:
+        elif kind == "door" and road.own_lanes > 1:
+            yield from _door(road, ego, s_m, rng)
+        elif kind == "cut-in" and road.own_lanes > 1:
             yield _cut_in(road, ego, s_m, rng)
         else:
             yield _hard_brake(ego, s_m, rng)
+
+
+def oncoming(count: int, road: Road, goal: Goal, rng: np.random.Generator) -> Iterator[ObjectSpec]:
+    """`count` vehicles that come towards the ego in the leftmost lane."""
+    for s_m in np.sort(rng.uniform(FIRST_ONCOMING_M, goal.s_m, count)).tolist():
+        speed_mps = float(rng.uniform(*ONCOMING_MPS))
+        yield ObjectSpec(kind=_vehicle(rng), s_m=s_m, lane=road.lanes, speed_mps=speed_mps, oncoming=True)
 
 
 def _crossing(road: Road, ego: Ego, s_m: float, rng: np.random.Generator) -> ObjectSpec:
@@ -56,8 +68,7 @@ def _crossing(road: Road, ego: Ego, s_m: float, rng: np.random.Generator) -> Obj
 
 def _cut_in(road: Road, ego: Ego, s_m: float, rng: np.random.Generator) -> ObjectSpec:
     """A slower vehicle in a lane beside the ego's, which moves in front of it, slows down, and goes on."""
-    beside = [lane for lane in (ego.lane - 1, ego.lane + 1) if 1 <= lane <= road.lanes]
-    lane = beside[int(rng.integers(len(beside)))]
+    lane = _lane_beside(road, ego, rng)
     speed_mps = ego.speed_reference_mps * float(rng.uniform(0.4, 0.8))
     enters = Manoeuvre(
         within_m=float(rng.uniform(*CUT_IN_M)),
@@ -66,6 +77,28 @@ def _cut_in(road: Road, ego: Ego, s_m: float, rng: np.random.Generator) -> Objec
         speed_mps=speed_mps * float(rng.uniform(0.5, 0.9)),
     )
     return ObjectSpec(kind=_vehicle(rng), s_m=s_m, lane=lane, speed_mps=speed_mps, manoeuvres=(enters, _goes_on(rng)))
+
+
+def _door(road: Road, ego: Ego, s_m: float, rng: np.random.Generator) -> Iterator[ObjectSpec]:
+    """A car parked in the lane beside, near the ego's, whose door opens as the ego comes near."""
+    lane = _lane_beside(road, ego, rng)
+    side = 1.0 if lane > ego.lane else -1.0  # on which the ego is, + is right
+    car, panel = SIZES["car"], SIZES["door"]
+    parked_m = side * 0.5 * (road.lane_width_m - car.width_m)
+    closed_m = parked_m + side * 0.5 * (car.width_m + panel.width_m)
+    open_m = parked_m + side * (0.5 * car.width_m + OPEN_M - 0.5 * panel.length_m)
+    opens = Manoeuvre(
+        within_m=float(rng.uniform(*OPENS_WITHIN_M)),
+        lateral_m=open_m,
+        lateral_mps=float(rng.uniform(*OPENS_MPS)),
+    )
+    yield ObjectSpec(kind="car", s_m=s_m, lane=lane, lateral_m=parked_m)
+    yield ObjectSpec(kind="door", s_m=s_m + 0.5, lane=lane, lateral_m=closed_m, manoeuvres=(opens,))
+
+
+def _lane_beside(road: Road, ego: Ego, rng: np.random.Generator) -> int:
+    lanes = [lane for lane in (ego.lane - 1, ego.lane + 1) if 1 <= lane <= road.own_lanes]
+    return lanes[int(rng.integers(len(lanes)))]
 
 
 def _hard_brake(ego: Ego, s_m: float, rng: np.random.Generator) -> ObjectSpec:

@@ -26,7 +26,7 @@ from vpf_sim.scenarios.parts import (
     Segment,
     Vary,
 )
-from vpf_sim.scenarios.random_events import EVENTS, Event, events
+from vpf_sim.scenarios.random_events import EVENTS, Event, events, oncoming
 from vpf_sim.scenarios.schema import Scenario, drawn
 from vpf_sim.seeding import stream
 
@@ -92,16 +92,24 @@ class RandomRoad(ConsistentSection):
     event_kinds: Annotated[tuple[Event, ...], Field(strict=False, min_length=1)] = Field(
         default=EVENTS, description="what they do"
     )
+    oncoming: Annotated[tuple[Rows, Rows], Field(strict=False)] = Field(
+        default=(0, 0), description="vehicles in one more lane on the left, towards the ego"
+    )
+
+    @property
+    def oncoming_lanes(self) -> int:
+        return int(self.oncoming[1] > 0)
 
     def faults(self) -> Iterator[str]:
         """Every fault, for any seed."""
-        for key in ("length_m", "heading_deg", "radius_m", "rows", "row_bodies", "events"):
+        for key in ("length_m", "heading_deg", "radius_m", "rows", "row_bodies", "events", "oncoming"):
             low, high = getattr(self, key)
             if low > high:
                 yield f"{key}: expected [low, high] with low <= high, got [{low:g}, {high:g}]"
-        half_m = self.lanes * self.lane_width_m / 2.0
-        if self.radius_m[0] <= half_m:
-            yield f"radius_m: expected more than half the carriageway, {half_m:g} m, got {self.radius_m[0]:g}"
+        half_m, oncoming_m = self.lanes * self.lane_width_m / 2.0, self.oncoming_lanes * self.lane_width_m / 2.0
+        if self.radius_m[0] <= half_m + oncoming_m:
+            wide = f"{half_m + oncoming_m:g} m"
+            yield f"radius_m: expected more than half the carriageway, {wide}, got {self.radius_m[0]:g}"
         if self.length_m[0] < self.first_row_m:
             yield f"length_m: expected at least first_row_m, {self.first_row_m:g} m, got {self.length_m[0]:g}"
         if self.free_gap_m > 2.0 * half_m:
@@ -130,20 +138,27 @@ class RandomScenario(ConsistentSection):
         rng = stream(seed, "random road")
         length_m = float(rng.uniform(*self.random.length_m))
         goal = Goal(s_m=self.ego.s_m + length_m)
-        road = Road(
+        own = Road(
             look=self.random.look,
             lanes=self.random.lanes,
             lane_width_m=self.random.lane_width_m,
             heading_deg=float(rng.uniform(*self.random.heading_deg)),
             segments=tuple(_segments(self.random, goal.s_m + BEYOND_GOAL_M, rng)),
         )
-        rows = _objects(self.random, road, self.ego, goal, stream(seed, "random rows"))
-        doing = stream(seed, "random events")
-        count = int(doing.integers(self.random.events[0], self.random.events[1] + 1))
-        bodies = (*rows, *events(self.random.event_kinds, count, road, self.ego, goal, doing))
+        rows = _objects(self.random, own, self.ego, goal, stream(seed, "random rows"))
+        added = self.random.oncoming_lanes
+        road = own.model_copy(update={"lanes": own.lanes + added, "oncoming_lanes": added})
+        acting, coming = stream(seed, "random events"), stream(seed, "random oncoming")
+        count = _count(self.random.events, acting)
+        doing = events(self.random.event_kinds, count, road, self.ego, goal, acting)
+        bodies = (*rows, *doing, *oncoming(_count(self.random.oncoming, coming), road, goal, coming))
         ego = drawn(self.ego, self.vary, "ego", "ego", seed)
         parts = {"road": road, "ego": ego, "goal": goal, "bodies": bodies, "limits": self.limits}
         return Scenario.model_validate({"schema": self.version, **parts})
+
+
+def _count(limits: tuple[int, int], rng: np.random.Generator) -> int:
+    return int(rng.integers(limits[0], limits[1] + 1))
 
 
 def _segments(limits: RandomRoad, length_m: float, rng: np.random.Generator) -> Iterator[Segment]:
@@ -183,7 +198,7 @@ def _objects(limits: RandomRoad, road: Road, ego: Ego, goal: Goal, rng: np.rando
     first_m, last_m = ego.s_m + limits.first_row_m + longest_m / 2.0, goal.s_m - LAST_ROW_M
     step_m = limits.row_spacing_m + longest_m
     fitting = 1 + int((last_m - first_m) // step_m) if last_m > first_m else 0
-    count = min(int(rng.integers(limits.rows[0], limits.rows[1] + 1)), fitting)
+    count = min(_count(limits.rows, rng), fitting)
     slack_m = last_m - first_m - (count - 1) * step_m
     starts = np.sort(rng.uniform(0.0, max(slack_m, 0.0), count)) + first_m + step_m * np.arange(count)
     gap_m = road.lane_offset_m(ego.lane)

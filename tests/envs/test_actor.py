@@ -9,6 +9,7 @@ from highway_env.road.lane import LineType
 from vpf_sim import scenarios
 from vpf_sim.envs.actor import Actor
 from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.envs.rectangles import distance
 from vpf_sim.errors import InputError
 from vpf_sim.scenarios.random_events import EVENTS
 
@@ -162,8 +163,51 @@ def test_random_events_come_in_every_kind_and_do_not_change_the_rest() -> None:
     for seed in range(20):
         plain, drawn = base.draw(seed), eventful.draw(seed)
         assert drawn.road == plain.road
-        assert drawn.bodies[:-3] == plain.bodies
-        for actor in drawn.bodies[-3:]:
+        assert drawn.bodies[: len(plain.bodies)] == plain.bodies
+        actors = [body for body in drawn.bodies[len(plain.bodies) :] if body.is_actor]
+        assert len(actors) == 3
+        for actor in actors:
             crossing, braking = actor.speed_mps == 0.0, actor.manoeuvres[0].lateral_m is None
-            seen.add("crossing" if crossing else "hard-brake" if braking else "cut-in")
+            door = actor.kind == "door"
+            seen.add("door" if door else "crossing" if crossing else "hard-brake" if braking else "cut-in")
     assert seen == set(EVENTS)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_door_opens_away_from_its_car(side: float) -> None:
+    car = f'kind = "car"\ns_m = 60.0\nlane = {1.5 - 0.5 * side:.0f}'
+    opens = f"manoeuvres = [{{within_m = 30.0, lateral_m = {side * 1.45}, lateral_mps = 1.5}}]"
+    env, (door,) = world(
+        car, f'kind = "door"\ns_m = 60.5\nlane = {1.5 - 0.5 * side:.0f}\nlateral_m = {side * 1.06}\n{opens}'
+    )
+    (parked,) = env.road.objects
+    assert door.heading == pytest.approx(0.0)
+    assert distance(parked, door) < 0.01
+    drive(env, 7.0)
+    assert abs(np.sin(door.heading)) == pytest.approx(1.0)
+    reach_m = side * (door.place[1] - parked.place[1]) + 0.5 * door.LENGTH
+    assert reach_m == pytest.approx(1.95, abs=0.01)
+    assert not parked.crashed
+
+
+def test_a_door_in_the_way_is_a_collision() -> None:
+    opens = "manoeuvres = [{within_m = 10.0, lateral_m = 0.0, lateral_mps = 3.0}]"
+    env, _ = world(f'kind = "door"\ns_m = 40.0\nlane = 1\nlateral_m = 1.5\n{opens}')
+    for _ in range(600):
+        *_, info = env.step(STAY)
+        if info["status"] != "running":
+            break
+    assert info["status"] == "collision"
+
+
+def test_random_oncoming_traffic_comes_on_a_lane_of_its_own_and_does_not_change_the_rest() -> None:
+    base = scenarios.load("random")
+    busy = scenarios.parse('base = "random"\n[random]\noncoming = [2, 4]\n', "busy.toml")
+    for seed in range(20):
+        plain, drawn = base.draw(seed), busy.draw(seed)
+        assert (drawn.road.lanes, drawn.road.oncoming_lanes) == (plain.road.lanes + 1, 1)
+        assert drawn.road.segments == plain.road.segments
+        assert drawn.bodies[: len(plain.bodies)] == plain.bodies
+        coming = drawn.bodies[len(plain.bodies) :]
+        assert 2 <= len(coming) <= 4
+        assert all(body.oncoming and body.lane == drawn.road.lanes and body.speed_mps > 0.0 for body in coming)

@@ -49,7 +49,7 @@ def test_valid_file_is_loaded_with_defaults() -> None:
     assert scenario.time_limit_s == pytest.approx(3.0 * (165.0 - 5.0) / 5.55)
 
 
-CHOICES = "one of car, van, truck, cone, pallet, barrier, pedestrian, cyclist, deer"
+CHOICES = "one of car, van, truck, cone, pallet, barrier, pedestrian, cyclist, deer, door"
 VARY = "one of ego.s_m, ego.lateral_m, ego.heading_deg, ego.speed_mps, bodies.s_m, bodies.lateral_m, bodies.speed_mps"
 FAULTS = [
     ("lane_width_m", "lane_widht_m", "road.lane_widht_m: unknown key, did you mean 'lane_width_m'?"),

@@ -1,6 +1,7 @@
 """The camera poses of the gallery, equal in every weather."""
 
 from dataclasses import dataclass
+from typing import Any
 
 from vpf_sim import scenarios
 from vpf_sim.envs.camera.rig import preset
@@ -51,11 +52,8 @@ def _before(body: ObjectSpec, lead_s: float) -> ObjectSpec:
     return body.model_copy(update={"s_m": body.s_m - driven_m})
 
 
-def _body(
-    kind: str, s_m: float, lane: int, lateral_m: float = 0.0, speed_mps: float = 0.0, oncoming: bool = False
-) -> ObjectSpec:
-    place = {"s_m": s_m, "lane": lane, "lateral_m": lateral_m}
-    return ObjectSpec.model_validate({"kind": kind, **place, "speed_mps": speed_mps, "oncoming": oncoming})
+def _body(kind: str, s_m: float, lane: int, lateral_m: float = 0.0, **more: Any) -> ObjectSpec:
+    return ObjectSpec.model_validate({"kind": kind, "s_m": s_m, "lane": lane, "lateral_m": lateral_m, **more})
 
 
 POSES = (
@@ -122,6 +120,18 @@ POSES = (
         "curve-left",
         s_m=50.0,
         look=RoadAppearance(marks=True, shadows=True),
+    ),
+    Pose(
+        "street",
+        "a bus lane, tram rails and kerbs; the door of a parked car",
+        "straight",
+        s_m=60.0,
+        lane=3,
+        look=RoadAppearance(bus_lane=True, tram_rails=True, kerbs=True, double_lines=True),
+        objects=(
+            _body("car", 74.0, 2, -0.4),
+            _body("door", 74.5, 2, -1.8, manoeuvres=({"after_s": 0.0, "lateral_m": -1.85, "lateral_mps": 1.0},)),
+        ),
     ),
     Pose(
         "dash-cam",
