@@ -8,7 +8,6 @@ It needs `pip install 'vpf_sim[learn,onnx]'`. docs/learning.md explains the meth
 """
 
 import argparse
-import subprocess
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -18,7 +17,7 @@ import torch
 
 from behaviour_cloning import scenes
 from behaviour_cloning.collect import Drive, collect
-from behaviour_cloning.export import export
+from behaviour_cloning.export import commit, export
 from behaviour_cloning.fit import Decisions, fit
 from behaviour_cloning.network import Network
 from vpf_sim.drivers.learned.manifest import Crop, Manifest, PictureInput, StateInput, Training
@@ -78,13 +77,6 @@ def recorded(options: argparse.Namespace, drives: list[Drive], made_from: str, w
         wall_h=round(wall_h, 2),
     )
     return replace(MANIFEST, training=training)
-
-
-def commit() -> str:
-    """The commit of the checkout that this script lies in; "" elsewhere."""
-    command = ["git", "-C", str(Path(__file__).parent), "rev-parse", "HEAD"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    return done.stdout.strip()
 
 
 def minutes(began_s: float) -> float:

@@ -8,26 +8,33 @@ It needs `pip install 'vpf_sim[learn]'`. PPO is Stable-Baselines3's; the throttl
 """
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
+import cv2
 import gymnasium
 import numpy as np
 import torch
 from gymnasium import spaces
 from stable_baselines3 import PPO
 from stable_baselines3.common.env_util import make_vec_env
+from stable_baselines3.common.logger import configure
+from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
 from stable_baselines3.common.vec_env import SubprocVecEnv
 from torch import Tensor, nn
 
-from behaviour_cloning.export import export
-from vpf_sim.drivers.learned.manifest import Manifest, PictureInput, StateInput
+from behaviour_cloning.export import commit, export
+from vpf_sim.drivers.learned.manifest import Manifest, PictureInput, StateInput, Training
 from vpf_sim.envs.learning import FourLanePixels, RewardWeights
 from vpf_sim.policy_state import SPEED_SCALE_MPS, STATE
 
+SCENARIOS, WEATHERS = ("straight", "curve-left"), ("clear", "rain")
 WIDTH_PX, HEIGHT_PX, REPEAT = 64, 48, 6  # 4:3 as in the drives; ticks of 1/60 s
 SPEED_MPS, STEERING = 5.55, 0.25  # to hold; of full steering, that an action of 1 means
-REWARD = RewardWeights(progress=0.05, lane=0.2, comfort=0.02)
+LOST_M = 2.5  # from the lane's centre; an episode of training ends there
+REWARD = RewardWeights(progress=0.1, lane=0.2, comfort=0.02)
 MANIFEST = Manifest(
     schema=1,
     rate_hz=60.0 / REPEAT,
@@ -37,20 +44,54 @@ MANIFEST = Manifest(
 )
 
 
-class Steering(gymnasium.ActionWrapper[Any, Any, Any]):
-    """The environment with the steering as the only action."""
+class LaneKeeping(gymnasium.Wrapper[Any, Any, Any, Any]):
+    """The environment with the steering as the only action, and pictures drawn `shrink` times larger than observed."""
 
-    def __init__(self) -> None:
-        size = (WIDTH_PX, HEIGHT_PX)
-        super().__init__(
-            FourLanePixels(("straight", "curve-left"), "clear", size, action_repeat=REPEAT, state=True, reward=REWARD)
-        )
+    def __init__(self, shrink: int) -> None:
+        size = (shrink * WIDTH_PX, shrink * HEIGHT_PX)
+        super().__init__(FourLanePixels(SCENARIOS, WEATHERS, size, action_repeat=REPEAT, state=True, reward=REWARD))
+        image = spaces.Box(0, 255, (HEIGHT_PX, WIDTH_PX, 1), np.uint8)
+        self.observation_space = spaces.Dict({"image": image, "state": self.unwrapped.observation_space["state"]})
         self.action_space = spaces.Box(-1.0, 1.0, (1,), np.float32)
 
-    def action(self, action: Any) -> Any:
-        """Throttle and steering."""
+    def reset(self, **options: Any) -> tuple[Any, dict[str, Any]]:
+        observed, info = super().reset(**options)
+        return _shrunk(observed), info
+
+    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        """One decision; an episode's last `info` says whether it arrived, which the trainer logs."""
         world: Any = self.unwrapped
-        return np.array([SPEED_MPS - world.world.ego.speed, STEERING * float(action[0])]).clip(-1.0, 1.0)
+        command = np.array([SPEED_MPS - world.world.ego.speed, STEERING * float(action[0])]).clip(-1.0, 1.0)
+        observed, reward, terminated, truncated, info = super().step(command)
+        info["is_success"] = info["status"] == "success"
+        return _shrunk(observed), reward, terminated or abs(info["lane_offset_m"]) > LOST_M, truncated, info
+
+
+def _shrunk(observed: dict[str, Any]) -> dict[str, Any]:
+    """The observation with its picture averaged over areas, as a drive's picture is for its policy."""
+    image = cv2.resize(observed["image"], (WIDTH_PX, HEIGHT_PX), interpolation=cv2.INTER_AREA)
+    return {**observed, "image": image.reshape(HEIGHT_PX, WIDTH_PX, 1)}
+
+
+class Features(BaseFeaturesExtractor):
+    """What the policy sees of a picture, with the state: a twentieth of the work of the library's network."""
+
+    def __init__(self, space: spaces.Dict, features: int = 64) -> None:
+        super().__init__(space, features + len(STATE))
+        self.picture = nn.Sequential(
+            nn.Conv2d(1, 16, 5, stride=3),
+            nn.ReLU(),
+            nn.Conv2d(16, 32, 3, stride=2),
+            nn.ReLU(),
+            nn.Conv2d(32, 32, 3, stride=2),
+            nn.ReLU(),
+            nn.Flatten(),
+            nn.Linear(384, features),
+            nn.ReLU(),
+        )
+
+    def forward(self, observed: dict[str, Tensor]) -> Tensor:
+        return torch.cat([self.picture(observed["image"]), observed["state"]], dim=1)
 
 
 class Command(nn.Module):
@@ -68,32 +109,52 @@ class Command(nn.Module):
 
 
 def main(options: argparse.Namespace) -> None:
-    torch.set_num_threads(options.workers)
-    worlds = make_vec_env(Steering, options.workers, seed=options.seed, vec_env_cls=SubprocVecEnv)
+    began_s, made_from = perf_counter(), commit()
+    torch.set_num_threads(1)
+    worlds = make_vec_env(
+        LaneKeeping, options.workers, options.seed, env_kwargs={"shrink": options.shrink}, vec_env_cls=SubprocVecEnv
+    )
     learned = PPO(
         "MultiInputPolicy",
         worlds,
         n_steps=options.steps_of_an_update,
         batch_size=128,
         n_epochs=5,
-        gamma=0.97,
-        learning_rate=3e-4,
-        policy_kwargs={"log_std_init": -1.0},
+        gamma=0.98,
+        learning_rate=lambda left: 3e-4 * left,
+        policy_kwargs={"features_extractor_class": Features, "log_std_init": -1.0},
         seed=options.seed,
         device="cpu",
-        verbose=1,
     )
+    options.out.mkdir(parents=True, exist_ok=True)
+    learned.set_logger(configure(str(options.out), ["stdout", "csv"]))  # progress.csv: the learning curve
     learned.learn(options.steps)
     worlds.close()
-    options.out.mkdir(parents=True, exist_ok=True)
-    export(Command(learned.policy), MANIFEST, options.out / "policy.onnx")
+    manifest = recorded(options, made_from, learned.num_timesteps, (perf_counter() - began_s) / 3600.0)
+    export(Command(learned.policy), manifest, options.out / "policy.onnx")
+
+
+def recorded(options: argparse.Namespace, made_from: str, decisions: int, wall_h: float) -> Manifest:
+    """The manifest with the record of the training."""
+    training = Training(
+        command=f"python examples/train_ppo.py FOLDER --steps {options.steps} --shrink {options.shrink} "
+        f"--seed {options.seed}",
+        commit=made_from,
+        scenarios=SCENARIOS,
+        weathers=WEATHERS,
+        frames=decisions,
+        driven_h=round(decisions / MANIFEST.rate_hz / 3600.0, 2),
+        wall_h=round(wall_h, 2),
+    )
+    return replace(MANIFEST, training=training)
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("out", type=Path, metavar="FOLDER")
-    parser.add_argument("--steps", type=int, default=100_000, help="decisions, at 10 a second")
+    parser.add_argument("--steps", type=int, default=250_000, help="decisions, at 10 a second")
     parser.add_argument("--steps-of-an-update", type=int, default=1024, help="of each process")
+    parser.add_argument("--shrink", type=int, default=1, help="draw pictures so many times larger, and average them")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--workers", type=int, default=2, help="processes that drive, and threads that fit")
+    parser.add_argument("--workers", type=int, default=2, help="processes that drive")
     main(parser.parse_args())

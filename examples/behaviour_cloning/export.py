@@ -1,5 +1,6 @@
 """Writing the network as an ONNX model with its manifest."""
 
+import subprocess
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -27,6 +28,13 @@ def export(network: nn.Module, manifest: Manifest, model: Path) -> None:
         dynamo=False,
     )
     write_text(file_of(model), toml(asdict(manifest)))
+
+
+def commit() -> str:
+    """The commit of the checkout that this file lies in; "" elsewhere."""
+    command = ["git", "-C", str(Path(__file__).parent), "rev-parse", "HEAD"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    return done.stdout.strip()
 
 
 def toml(table: dict[str, Any], path: str = "") -> str:
