@@ -132,6 +132,7 @@ def _stripe_polygons(line: Line, look: RoadAppearance) -> Floats:
     if not look.studs:
         return painted
     middle = span[:, 1] + 0.5 * look.gap_m
+    middle = middle[middle + STUD_M < line.s_m[-1]]
     studs = np.stack([middle - 0.5 * STUD_M, middle + 0.5 * STUD_M], axis=1)
     return np.concatenate([painted, _pieces(line, studs, STUD_WIDTH_M)])
 

@@ -21,17 +21,22 @@ STREETS = {
         ),
     ),
     # A queue before a traffic light: a lead car, a tanker on the right, a lorry on the left, the sun on the right.
+    # The noise is that of its flattest bright surfaces.
     "kitti_raw_leadcar": Street(
         lanes=4,
         lane=2,
         lateral_m=-0.3,
         heading_deg=145.0,
         weather="ClearNoon",
+        look={"stripe_m": 6.0, "gap_m": 3.0, "grain": 2.0},
+        noise_sd=2.5,
+        exposure_ev=0.7,
         lead=0,
         objects=(
             street_object("car", 12.5, 2, speed_mps=1.0),
-            street_object("truck", 4.4, 1, speed_mps=2.05),
-            street_object("truck", 16.0, 3),
+            street_object("van", 6.4, 1, speed_mps=2.05),  # the tanker's tractor, and its tank
+            street_object("truck", -1.5, 1, speed_mps=2.05),
+            street_object("van", 14.5, 3),
             street_object("car", 5.6, 3, -0.2),
             street_object("car", 26.0, 2),
             street_object("car", 24.0, 1),

@@ -37,6 +37,7 @@ class Street:
     blur_px: float = 0.0  # of the recording, estimated from the edges of its markings
     noise_sd: float | None = None  # grey levels, estimated from the recording's sky
     pitch_deg: float = 0.0  # of the body on its springs, standard deviation
+    exposure_ev: float = 0.0  # of the recording against an automatic exposure, by its brightness
     lead: int | None = None  # the object that keeps the recorded gap
     camera: Camera | None = None  # estimated from the images of a recording without calibration
     speed_mps: float | None = None  # likewise
@@ -68,7 +69,7 @@ class Street:
         The width of the frames is rounded down to an even number.
         """
         camera = replace(camera, width_px=camera.width_px // 2 * 2)
-        rig = Rig(camera, noise_sd=self.noise_sd, blur_px=self.blur_px)
+        rig = Rig(camera, noise_sd=self.noise_sd, blur_px=self.blur_px, exposure_ev=self.exposure_ev)
         times_s = np.arange(len(speeds_mps)) / rate_hz
         steps_m = 0.5 * (speeds_mps[1:] + speeds_mps[:-1]) / rate_hz
         driven_m = np.concatenate([[0.0], np.cumsum(steps_m)])

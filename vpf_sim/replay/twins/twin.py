@@ -42,7 +42,7 @@ def rendered(recording: Recording, seed: int, folder: Path) -> Recording:
     )
     images = (shot.image for shot in drive.shots(street.modified_weather(), seed, len(recording)))
     write(folder, drive, images, recording, street)
-    return replace(readers.read(folder), name=f"{recording.name} twin")
+    return replace(readers.read(folder), name=f"{recording.name}-twin-{seed}")
 
 
 def street_of(name: str) -> Street:
