@@ -20,6 +20,7 @@ from typing import Any
 import cv2
 import numpy as np
 
+from vpf_sim.errors import InputError
 from vpf_sim.evaluation.analysis.text_table import text_table
 from vpf_sim.evaluation.processes.threads import limit_opencv
 from vpf_sim.evaluation.rendering import reference_streets
@@ -89,19 +90,29 @@ def main() -> None:
     parser.add_argument("--out", type=Path, help="new folder for twins, images and the driver's frames")
     parser.add_argument("--json", type=Path, help="also write the tables to this file")
     arguments = parser.parse_args()
+    if arguments.out is not None and arguments.out.exists():
+        parser.error(f"--out: expected a new folder, found {arguments.out}")
     limit_opencv()
-    found: dict[str, dict[str, Rows]] = {}
-    with tempfile.TemporaryDirectory() as scratch:
-        for number, name in enumerate(arguments.only or reference_streets.STREETS):
-            out = (arguments.out or Path(scratch)) / name
-            driver = arguments.driver if arguments.perception else None
-            frames, perception = compare(arguments.drives / name, arguments.seeds, driver, out)
-            print(text_table(frames, header=number == 0 or arguments.perception), flush=True)
-            if perception:
-                print(f"\n{text_table(perception)}\n", flush=True)
-            found[name] = {"frames": frames, "perception": perception}
+    try:
+        with tempfile.TemporaryDirectory() as scratch:
+            found = compare_all(arguments, arguments.out or Path(scratch))
+    except InputError as error:
+        parser.error(str(error))
     if arguments.json:
         arguments.json.write_text(json.dumps(found, indent=1) + "\n", "utf-8")
+
+
+def compare_all(arguments: argparse.Namespace, out: Path) -> dict[str, dict[str, Rows]]:
+    """Print the tables of all drives, and return their rows by drive."""
+    found: dict[str, dict[str, Rows]] = {}
+    for number, name in enumerate(arguments.only or reference_streets.STREETS):
+        driver = arguments.driver if arguments.perception else None
+        frames, perception = compare(arguments.drives / name, arguments.seeds, driver, out / name)
+        print(text_table(frames, header=number == 0 or arguments.perception), flush=True)
+        if perception:
+            print(f"\n{text_table(perception)}\n", flush=True)
+        found[name] = {"frames": frames, "perception": perception}
+    return found
 
 
 if __name__ == "__main__":

@@ -18,10 +18,10 @@ def columns(perception: Perception, camera: Camera) -> dict[str, float]:
     in_lane = from_line_m < -LINE_M
     return {
         "obstacles": len(obstacles),
-        "obstacles_standing": np.count_nonzero(obstacles.identity >= 0),
-        "obstacles_in_lane": np.count_nonzero(in_lane),
-        "obstacles_on_line": np.count_nonzero(np.abs(from_line_m) <= LINE_M),
-        "obstacles_wide": np.count_nonzero(obstacles.width_m > WIDE_M),
+        "obstacles_standing": int(np.count_nonzero(obstacles.identity >= 0)),
+        "obstacles_in_lane": int(np.count_nonzero(in_lane)),
+        "obstacles_on_line": int(np.count_nonzero(np.abs(from_line_m) <= LINE_M)),
+        "obstacles_wide": int(np.count_nonzero(obstacles.width_m > WIDE_M)),
         "nearest_in_lane_m": float(np.min(obstacles.forward_m[in_lane], initial=np.inf)) - camera.forward_m,
         "flow_points": len(perception.flow),
     }
@@ -29,4 +29,4 @@ def columns(perception: Perception, camera: Camera) -> dict[str, float]:
 
 def lane_middle_m(road: RoadEdges, forward_m: Floats) -> Floats:
     """(K,) lateral position of the own lane's middle at distances ahead of the pose."""
-    return road.lane_m + forward_m * np.sin(road.heading_rad) + 0.5 * road.curvature_per_m * forward_m**2
+    return np.asarray(road.lane_m + forward_m * np.sin(road.heading_rad) + 0.5 * road.curvature_per_m * forward_m**2)

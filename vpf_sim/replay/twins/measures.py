@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 
 from vpf_sim.replay.frame_table import FrameTable
-from vpf_sim.types import Floats
+from vpf_sim.types import Bools, Floats
 
 BRAKING = -0.1  # throttle below which the driver demands braking
 LEAD_M = 1.5  # an object in the own lane that is this near to the true gap is the lead vehicle
@@ -81,7 +81,7 @@ def _finite(values: Floats) -> Floats:
     return values[np.isfinite(values)]
 
 
-def _mean(values: Floats) -> float:
+def _mean(values: Floats | Bools) -> float:
     finite = _finite(np.asarray(values, float))
     return float(np.mean(finite)) if len(finite) else nan
 
