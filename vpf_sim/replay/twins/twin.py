@@ -5,15 +5,16 @@ from dataclasses import replace
 from math import degrees
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.rendering import reference_streets
 from vpf_sim.evaluation.rendering.scripted import ScriptedDrive
 from vpf_sim.evaluation.rendering.street import Street
+from vpf_sim.files import write_bytes, write_text
 from vpf_sim.replay import readers, video_file
 from vpf_sim.replay.recording import Recording
+from vpf_sim.reporting.pictures import jpeg
 from vpf_sim.types import Camera, Image
 
 JPEG_QUALITY = 95
@@ -57,14 +58,13 @@ def write(folder: Path, drive: ScriptedDrive, images: Iterable[Image], recording
     frames = folder / "images"
     frames.mkdir(parents=True)
     for number, image in enumerate(images):
-        path = frames / f"{number:06d}.jpg"
-        cv2.imwrite(str(path), cv2.cvtColor(image, cv2.COLOR_RGB2BGR), [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
+        write_bytes(frames / f"{number:06d}.jpg", jpeg(image, JPEG_QUALITY))
     _write_toml(folder, drive.rig.camera, frames="images", rate_hz=drive.rate_hz, speed_mps=street.speed_mps)
     if street.speed_mps is None:
         straight = replace(recording, yaw_rate_radps=np.zeros(len(recording)))
         columns = [straight.times_s, *(getattr(straight, name) for name in SIGNALS)]
-        table = np.stack(columns, axis=1)
-        np.savetxt(folder / "signals.csv", table, "%.9f", ",", header=",".join(("time_s", *SIGNALS)), comments="")
+        rows = (",".join(f"{value:.9f}" for value in row) for row in zip(*columns, strict=True))
+        write_text(folder / "signals.csv", "\n".join([",".join(("time_s", *SIGNALS)), *rows]) + "\n")
 
 
 def _write_toml(folder: Path, camera: Camera, frames: str, **keys: float | None) -> None:
@@ -74,4 +74,4 @@ def _write_toml(folder: Path, camera: Camera, frames: str, **keys: float | None)
     lines += ["[camera]", *(f"{key} = {getattr(camera, key)!r}" for key in ("fx_px", "fy_px", "cx_px", "cy_px"))]
     lines += [f"height_m = {camera.height_m!r}", f"pitch_deg = {degrees(camera.pitch_rad)!r}", "yaw_deg = 0.0"]
     lines += [f"distortion = [{camera.k1!r}, {camera.k2!r}]"]
-    (folder / "drive.toml").write_text("\n".join(lines) + "\n", "utf-8")
+    write_text(folder / "drive.toml", "\n".join(lines) + "\n")
