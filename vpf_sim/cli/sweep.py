@@ -12,7 +12,7 @@ from vpf_sim.shell import command
 FileArgument = Annotated[
     Path | None,
     typer.Argument(
-        metavar="FILE", help="A sweep file, or hard, 100 episodes that come along; options override its values."
+        metavar="FILE", help="A sweep file, or hard, 99 episodes that come along; options override its values."
     ),
 ]
 DryRunOption = Annotated[bool, typer.Option("--dry-run", help="Show what would be driven; drive and write nothing.")]

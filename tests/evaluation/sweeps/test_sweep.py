@@ -144,7 +144,7 @@ def test_a_plan_of_a_table() -> None:
 
 def test_the_plan_hard_comes_along(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     plan = make_plan(read_plan(Path("hard")), "hard")
-    assert len(plan.jobs()) == 100
+    assert len(plan.jobs()) == 99
     assert len(plan.check()["scenarios"]) == len(plan.scenario)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "hard").write_text('driver = ["pid"]', "utf-8")
