@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.night.lamplight import Lamplight
 from vpf_sim.envs.camera.painter import Sprite
 from vpf_sim.envs.camera.texture import noise
 from vpf_sim.envs.camera.view import View
+from vpf_sim.geometry import horizon_px
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
@@ -33,6 +35,8 @@ NOON = 0.85  # shading of the crown in the images
 LOWEST_SUN = 0.1  # lowest sine of the altitude for shadow lengths
 SHADOW_SIDES = 10
 BARK = np.array([70.0, 60.0, 50.0])
+LIT_ROWS = 8  # heights at which lamps' light on a tree is worked out
+LIT_SHARES = tuple((row + 0.5) / LIT_ROWS for row in range(LIT_ROWS))
 STEP_M = 12.0  # travel of the camera before nearby trees are collected again
 Indices = NDArray[np.int64]
 Blob = tuple[float, float, float, float]  # centre x, y and radii, in heights; y from the top down
@@ -179,8 +183,12 @@ class _Near:
 class TreeStand:
     """The trees of a road in one light and haze."""
 
-    def __init__(self, camera: Camera, trees: Trees, light: Light, haze: Haze) -> None:
-        tint = (light.sky + 0.5 * light.direct) / NOON
+    def __init__(
+        self, camera: Camera, trees: Trees, light: Light, haze: Haze, lamplight: Lamplight | None = None
+    ) -> None:
+        """`lamplight` is the light of lamps in the dark, None by day."""
+        self._lamplight = lamplight
+        tint = (light.sky + 0.5 * light.direct) / NOON if lamplight is None else np.ones(3)
         scale = np.diag([*tint, 1.0])
         pictures = [tree_picture(variant) for variant in range(VARIANTS)]
         self._levels = [[np.asarray(cv2.transform(level, scale), np.uint8) for level in p.levels] for p in pictures]
@@ -202,7 +210,7 @@ class TreeStand:
 
     def visible(self, view: View) -> list[Sprite]:
         """The visible trees, the farthest first."""
-        variants, depth, corner, size = self._in_view(view)
+        variants, depth, corner, size, feet_m = self._in_view(view)
         first = np.maximum(np.floor(corner), 0.0)
         extent = np.minimum(np.ceil(corner + size), self._limits) - first
         levels = np.floor(np.log2(self._rows[variants] / size[1])).clip(0, self._coarsest[variants]).astype(np.int64)
@@ -212,14 +220,16 @@ class TreeStand:
         sources[:, :, 2] = ((first - corner + 0.5) * fine - 0.5).T
         kinds = np.array((variants, levels, depth / HAZE_STEP_M), np.int64).T.tolist()
         places = np.concatenate((first, extent)).astype(np.int64).T.tolist()
+        if self._lamplight is not None:
+            return self._lit_by(self._lamplight, view, feet_m, kinds, sources, places, depth.tolist())
         return [
             Sprite(x, y, self._sampled(kind, source, (columns, rows)), far)
             for kind, source, (x, y, columns, rows), far in zip(kinds, sources, places, depth.tolist(), strict=True)
             if columns > 0 and rows > 0
         ]
 
-    def _in_view(self, view: View) -> tuple[Indices, Floats, Floats, Floats]:
-        """Variants (n,), depths (n,), corners (2, n) px and sizes (2, n) px of the visible trees."""
+    def _in_view(self, view: View) -> tuple[Indices, Floats, Floats, Floats, Floats]:
+        """Variants (n,), depths (n,), corners (2, n) px, sizes (2, n) px and feet (2, n) m of the visible trees."""
         camera, near = view.camera, self._near_trees(view.centre[:2])
         right, down, depth = view.axes[:, :2] @ near.feet_m - (view.axes @ view.centre)[:, None]
         left = right + near.left_m
@@ -231,7 +241,7 @@ class TreeStand:
         place = np.array((left, down + near.top_m, near.width_m, near.height_m)).take(index, axis=1)
         place *= camera.fy_px / depth
         middle = ((camera.cx_px,), (camera.cy_px,))
-        return near.variants[index], depth, np.add(place[:2], middle), place[2:]
+        return near.variants[index], depth, np.add(place[:2], middle), place[2:], near.feet_m[:, index]
 
     def shadow_polygons(self, light: Light) -> list[Floats]:
         """(n, 2) m, shadow outlines of all stems and lumps of leaves."""
@@ -265,6 +275,38 @@ class TreeStand:
         """(rows, columns, 4) the image of `kind` (variant, level, haze step), sampled by the affine `source` (2, 3)."""
         picture = self._hazed(*kind)
         return np.asarray(cv2.warpAffine(picture, source, size, flags=SAMPLED, borderValue=NOTHING), np.uint8)
+
+    def _lit_by(
+        self,
+        lamplight: Lamplight,
+        view: View,
+        feet_m: Floats,
+        kinds: list[list[int]],
+        sources: Floats,
+        places: list[list[int]],
+        depths_m: list[float],
+    ) -> list[Sprite]:
+        """The trees in the light of lamps, which falls off upwards: LIT_ROWS levels from the top of the image down."""
+        shown = [i for i, (_, _, columns, rows) in enumerate(places) if columns > 0 and rows > 0]
+        camera, sprites = view.camera, []
+        row = np.array([[y + share * rows for share in LIT_SHARES] for _, y, _, rows in places]).reshape(-1, LIT_ROWS)
+        fall = (row - horizon_px(camera)) / camera.fy_px * np.array(depths_m)[:, None]
+        points = np.empty((*row.shape, 3))
+        points[..., :2], points[..., 2] = feet_m.T[:, None], np.maximum(camera.height_m - fall, 0.0)
+        factors = lamplight.on_leaves(view, points.reshape(-1, 3)).reshape(*row.shape, 3)
+        opaque = np.ones((*row.shape, 1))
+        factors = np.concatenate([factors, opaque], axis=2)[:, :, None].astype(np.float32)
+        for i in shown:
+            (variant, level, step), (x, y, *size) = kinds[i], places[i]
+            picture = cv2.warpAffine(
+                self._levels[variant][level], sources[i], size, flags=SAMPLED, borderValue=NOTHING
+            )
+            rows = cv2.resize(factors[i], (1, size[1]), interpolation=cv2.INTER_LINEAR).reshape(-1, 1, 4)
+            lit = np.minimum(picture * rows, np.float32(255.0)).astype(np.uint8)
+            transform = self._haze_transforms[variant][step]
+            hazed = lit if transform is None else np.asarray(cv2.transform(lit, transform), np.uint8)
+            sprites.append(Sprite(x, y, hazed, depths_m[i]))
+        return sprites
 
     def _hazed(self, variant: int, level: int, step: int) -> Image:
         """(h, w, 4) an image with the haze of a distance step, cached."""
