@@ -67,8 +67,9 @@ class Lamplight:
         near = np.abs(apart).max(axis=1, initial=0.0) < range_m
         return self.street_lamps_m[near & (ahead > -STREET_RANGE_M)]
 
-    def on_faces(self, view: View, middles_m: Floats, normals: Floats, retro: Bools) -> Floats:
-        """(n, 3) RGB factors of faces with world `middles_m` (n, 3) and `normals` (n, 3)."""
+    def on_faces(self, view: View, faces_m: Floats, normals: Floats, retro: Bools) -> Floats:
+        """(n, 3) RGB factors of faces (n, V, 3) in world axes with `normals` (n, 3), by the light at their middles."""
+        middles_m = 0.5 * (faces_m.min(axis=1) + faces_m.max(axis=1))
         c, s = cos(view.yaw_rad), sin(view.yaw_rad)
         ahead = LAMP_AHEAD_M - view.camera.forward_m
         lamps = np.array([view.centre[0] + ahead * c, view.centre[1] + ahead * s, LAMP_HEIGHT_M])

@@ -13,9 +13,7 @@ NARROW_PX = 0.9  # least standard deviation across, canvas pixels
 ACROSS, ALONG = 3.0, 9.0  # extents that are drawn, in standard deviations across and smears along
 
 
-def lamp_streaks(
-    camera: Camera, drawn: list[Drawn], share: Image, top: int, smear_px: float
-) -> Image | None:
+def lamp_streaks(camera: Camera, drawn: list[Drawn], share: Image, top: int, smear_px: float) -> Image | None:
     """(rows, columns, 3) light of the lamps among `drawn` on the canvas of a wet road, None without any.
 
     A lamp's mirror image is as far below the road as the lamp is above. Tilted facets spread its light by `smear_px`

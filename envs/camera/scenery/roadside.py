@@ -155,8 +155,8 @@ class Roadside:
         colours = group.colours.take(shown, axis=0)
         if self._lamplight is None:
             return colours
-        middles, retro = group.faces_m.take(shown, axis=0).mean(axis=1), group.retro[shown]
-        factor = self._lamplight.on_faces(view, middles, group.normals.take(shown, axis=0), retro)
+        faces, normals = group.faces_m.take(shown, axis=0), group.normals.take(shown, axis=0)
+        factor = self._lamplight.on_faces(view, faces, normals, group.retro[shown])
         return contrasts(np.minimum(255.0, colours * factor), self._light)
 
     def shadow_polygons(self, light: Light) -> list[Floats]:

@@ -10,6 +10,7 @@ from vpf_sim.envs.camera.detail import stale_m
 from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.night.bands import banded
 from vpf_sim.envs.camera.night.glow import Glow
 from vpf_sim.envs.camera.night.lamps import vehicle_lamps
 from vpf_sim.envs.camera.painter import Drawing, Sprite, footprint, paint
@@ -125,6 +126,8 @@ class Scene:
             rng = stream(self._seed, f"body {len(self._shapes)}")  # part of what a seed means: keep
             size = object_size(obj)
             mesh = object_mesh(_kind(obj), size, rng)
+            if self.lamplight is not None:
+                mesh = banded(mesh)
             solid = Solid(mesh, self._light, self._haze, self.lamplight)
             self._shapes[obj] = Shape(solid, Shadow(size, self._light))
         return self._shapes[obj]

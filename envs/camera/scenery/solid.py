@@ -130,7 +130,7 @@ class Solid:
     def _lit_by(self, lamplight: Lamplight, view: View, shown: NDArray[np.int64]) -> Floats:
         """(n, 4) contrasts of the faces `shown` in the light of lamps."""
         mesh, turn = self._mesh, self._to_world[:3, :3]
-        middles = mesh.faces_m[shown].mean(axis=1) @ turn.T + self._to_world[:3, 3]
-        factor = lamplight.on_faces(view, middles, mesh.normals[shown] @ turn.T, mesh.retro[shown])
+        faces = mesh.faces_m[shown] @ turn.T + self._to_world[:3, 3]
+        factor = lamplight.on_faces(view, faces, mesh.normals[shown] @ turn.T, mesh.retro[shown])
         factor[~mesh.lit[shown]] = 1.0
         return contrasts(np.minimum(mesh.colours[shown] * factor, 255.0), self._light)

@@ -1,5 +1,6 @@
 """Trees and bushes: billboards with images made from noise."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import ceil
@@ -11,10 +12,10 @@ from numpy.typing import NDArray
 from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.night.lamplight import Lamplight
+from vpf_sim.envs.camera.night.lit_trees import lit, tree_factors
 from vpf_sim.envs.camera.painter import Sprite
 from vpf_sim.envs.camera.texture import noise
 from vpf_sim.envs.camera.view import View
-from vpf_sim.geometry import horizon_px
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
@@ -35,8 +36,6 @@ NOON = 0.85  # shading of the crown in the images
 LOWEST_SUN = 0.1  # lowest sine of the altitude for shadow lengths
 SHADOW_SIDES = 10
 BARK = np.array([70.0, 60.0, 50.0])
-LIT_ROWS = 8  # heights at which lamps' light on a tree is worked out
-LIT_SHARES = tuple((row + 0.5) / LIT_ROWS for row in range(LIT_ROWS))
 STEP_M = 12.0  # travel of the camera before nearby trees are collected again
 Indices = NDArray[np.int64]
 Blob = tuple[float, float, float, float]  # centre x, y and radii, in heights; y from the top down
@@ -220,11 +219,14 @@ class TreeStand:
         sources[:, :, 2] = ((first - corner + 0.5) * fine - 0.5).T
         kinds = np.array((variants, levels, depth / HAZE_STEP_M), np.int64).T.tolist()
         places = np.concatenate((first, extent)).astype(np.int64).T.tolist()
+        factors: Sequence[Floats | None] = [None] * len(kinds)
         if self._lamplight is not None:
-            return self._lit_by(self._lamplight, view, feet_m, kinds, sources, places, depth.tolist())
+            factors = list(tree_factors(self._lamplight, view, feet_m.T, depth, first[1], extent[1]))
         return [
-            Sprite(x, y, self._sampled(kind, source, (columns, rows)), far)
-            for kind, source, (x, y, columns, rows), far in zip(kinds, sources, places, depth.tolist(), strict=True)
+            Sprite(x, y, self._sampled(kind, source, (columns, rows), factor), far)
+            for kind, source, (x, y, columns, rows), far, factor in zip(
+                kinds, sources, places, depth.tolist(), factors, strict=True
+            )
             if columns > 0 and rows > 0
         ]
 
@@ -271,42 +273,18 @@ class TreeStand:
             self._middle, self._near = eye, _Near.of(self._trees, self._frames_m, np.flatnonzero(close))
         return self._near
 
-    def _sampled(self, kind: list[int], source: Floats, size: tuple[int, int]) -> Image:
-        """(rows, columns, 4) the image of `kind` (variant, level, haze step), sampled by the affine `source` (2, 3)."""
-        picture = self._hazed(*kind)
-        return np.asarray(cv2.warpAffine(picture, source, size, flags=SAMPLED, borderValue=NOTHING), np.uint8)
+    def _sampled(self, kind: list[int], source: Floats, size: tuple[int, int], factors: Floats | None) -> Image:
+        """(rows, columns, 4) the image of `kind` (variant, level, haze step), sampled by the affine `source` (2, 3).
 
-    def _lit_by(
-        self,
-        lamplight: Lamplight,
-        view: View,
-        feet_m: Floats,
-        kinds: list[list[int]],
-        sources: Floats,
-        places: list[list[int]],
-        depths_m: list[float],
-    ) -> list[Sprite]:
-        """The trees in the light of lamps, which falls off upwards: LIT_ROWS levels from the top of the image down."""
-        shown = [i for i, (_, _, columns, rows) in enumerate(places) if columns > 0 and rows > 0]
-        camera, sprites = view.camera, []
-        row = np.array([[y + share * rows for share in LIT_SHARES] for _, y, _, rows in places]).reshape(-1, LIT_ROWS)
-        fall = (row - horizon_px(camera)) / camera.fy_px * np.array(depths_m)[:, None]
-        points = np.empty((*row.shape, 3))
-        points[..., :2], points[..., 2] = feet_m.T[:, None], np.maximum(camera.height_m - fall, 0.0)
-        factors = lamplight.on_leaves(view, points.reshape(-1, 3)).reshape(*row.shape, 3)
-        opaque = np.ones((*row.shape, 1))
-        factors = np.concatenate([factors, opaque], axis=2)[:, :, None].astype(np.float32)
-        for i in shown:
-            (variant, level, step), (x, y, *size) = kinds[i], places[i]
-            picture = cv2.warpAffine(
-                self._levels[variant][level], sources[i], size, flags=SAMPLED, borderValue=NOTHING
-            )
-            rows = cv2.resize(factors[i], (1, size[1]), interpolation=cv2.INTER_LINEAR).reshape(-1, 1, 4)
-            lit = np.minimum(picture * rows, np.float32(255.0)).astype(np.uint8)
-            transform = self._haze_transforms[variant][step]
-            hazed = lit if transform is None else np.asarray(cv2.transform(lit, transform), np.uint8)
-            sprites.append(Sprite(x, y, hazed, depths_m[i]))
-        return sprites
+        `factors` are those of the light of lamps, None by day.
+        """
+        variant, level, step = kind
+        picture = self._hazed(*kind) if factors is None else self._levels[variant][level]
+        sampled = np.asarray(cv2.warpAffine(picture, source, size, flags=SAMPLED, borderValue=NOTHING), np.uint8)
+        if factors is None:
+            return sampled
+        shown, transform = lit(sampled, factors), self._haze_transforms[variant][step]
+        return shown if transform is None else np.asarray(cv2.transform(shown, transform), np.uint8)
 
     def _hazed(self, variant: int, level: int, step: int) -> Image:
         """(h, w, 4) an image with the haze of a distance step, cached."""
