@@ -17,8 +17,8 @@ def lamp_streaks(camera: Camera, drawn: list[Drawn], share: Image, top: int, sme
     """(rows, columns, 3) light of the lamps among `drawn` on the canvas of a wet road, None without any.
 
     A lamp's mirror image is as far below the road as the lamp is above. Tilted facets spread its light by `smear_px`
-    rows, with long tails, and hardly across. Light adds up before the gamma: 255 (share x flux x spread)^(1 / 2.2), with the reflected
-    `share` (rows, columns) of 255 and the flux in pixels of full brightness.
+    rows, with long tails, and hardly across. Light adds up before the gamma: 255 (share x flux x spread)^(1 / 2.2),
+    with the reflected `share` (rows, columns) of 255 and the flux in pixels of full brightness.
     """
     lamps = [item.drawing.lamp for item in drawn if isinstance(item.drawing, Glow)]
     if not lamps:
