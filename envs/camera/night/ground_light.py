@@ -1,5 +1,6 @@
 """The light of lamps on the road, for each pixel below the horizon."""
 
+from math import cos, sin
 from typing import Any
 
 import cv2
@@ -32,12 +33,11 @@ class GroundLight:
         self._lamplight = lamplight
         self._size = (camera.width_px, camera.height_px - ground_top(camera))
         columns = np.linspace(0.0, camera.width_px - 1.0, -(-camera.width_px // COLUMN_PX) + 1)
-        rows = np.arange(ground_top(camera), camera.height_px, dtype=float)
-        self._pixels = np.stack(np.meshgrid(columns, rows), axis=-1)
         farthest_px = horizon_px(camera) + camera.fy_px * camera.height_m / FARTHEST_M
-        self._pixels[..., 1] = np.maximum(self._pixels[..., 1], farthest_px)
+        rows = np.maximum(np.arange(ground_top(camera), camera.height_px, dtype=float), farthest_px)
         view = View.at(camera, np.zeros(2), 0.0)
-        self._beam_lx = ASPHALT * lamplight.beam_lx(view, self._points(view))
+        self._points_m = _ground(view, columns, rows)
+        self._beam_lx = ASPHALT * lamplight.beam_lx(view, self._points_m)
         self._beam = self._multiplier(self._beam_lx)
 
     def apply(self, ground: Image, view: View) -> None:
@@ -45,17 +45,9 @@ class GroundLight:
         multiplier = self._beam
         lamps_m = self._lamplight.lamps_ahead(view, STREET_AHEAD_M)
         if len(lamps_m):
-            street_lx = self._lamplight.street_lx(self._points(view).reshape(-1, 3), lamps_m)
+            street_lx = self._lamplight.street_lx(self._points_m.reshape(-1, 3), _in_ego_axes(view, lamps_m))
             multiplier = self._multiplier(self._beam_lx + street_lx.reshape(self._beam_lx.shape))
         cv2.multiply(ground, multiplier, ground, scale=LARGEST / 255.0)
-
-    def _points(self, view: View) -> Floats:
-        """(rows, columns, 3) m, world points of the grid."""
-        x, y = self._pixels[..., 0], self._pixels[..., 1]
-        points = np.stack([x, y, np.ones_like(x)], axis=-1) @ view.ground_homography().T
-        points[..., :2] /= points[..., 2:]
-        points[..., 2] = 0.0
-        return np.asarray(points)
 
     def _multiplier(self, lux: Floats) -> Image:
         """(rows, W, 3) factor of each pixel, as 8 bits."""
@@ -63,6 +55,22 @@ class GroundLight:
         small = np.minimum(factor * np.float32(255.0 / LARGEST) + np.float32(0.5), np.float32(255.0)).astype(np.uint8)
         full: Any = cv2.resize(small, self._size, interpolation=cv2.INTER_LINEAR)
         return np.asarray(cv2.cvtColor(full, cv2.COLOR_GRAY2RGB), np.uint8)
+
+
+def _ground(view: View, columns: Floats, rows: Floats) -> Floats:
+    """(rows, columns, 3) m, world points of the ground at pixels."""
+    x, y = np.meshgrid(columns, rows)
+    points = np.stack([x, y, np.ones_like(x)], axis=-1) @ view.ground_homography().T
+    points[..., :2] /= points[..., 2:]
+    points[..., 2] = 0.0
+    return np.asarray(points)
+
+
+def _in_ego_axes(view: View, points_m: Floats) -> Floats:
+    """(n, 3) world points ahead and right of the car's middle, and up."""
+    c, s = cos(view.yaw_rad), sin(view.yaw_rad)
+    x, y = (points_m[:, :2] - view.centre[:2]).T
+    return np.stack([c * x + s * y + view.camera.forward_m, c * y - s * x, points_m[:, 2]], axis=1)
 
 
 def paint_efficiency(wetness: float, beam_share: float) -> Floats:
