@@ -20,10 +20,12 @@ STREET_AHEAD_M = 130.0  # street lamps beyond light less than a few rows
 # Luminance of dry asphalt towards the driver: 15 mcd/m2 for each lx of his headlamps at 30 m (EN 1436, class RW1 of
 # paint has 150), 70 mcd/m2 for each lx from above (CIE 144, road class R3).
 ASPHALT = 0.015 / 0.07
+PAINT = 0.15 / 0.25  # the same for dry white paint
+BRIGHTEST = (PAINT / ASPHALT) ** (1.0 / GAMMA)  # gain of paint over asphalt in the beam, compared with the day
 
 
 class GroundLight:
-    """Multiplies the ground, drawn in full light, by the light on it.
+    """Multiplies the ground, drawn with `paint_efficiency` in full light, by the light on it.
 
     Camera and headlamps move together on a flat road, so the beam's share is worked out once; street lamps are added in
     each frame.
@@ -47,7 +49,7 @@ class GroundLight:
         if len(lamps_m):
             street_lx = self._lamplight.street_lx(self._points_m.reshape(-1, 3), _in_ego_axes(view, lamps_m))
             multiplier = self._multiplier(self._beam_lx + street_lx.reshape(self._beam_lx.shape))
-        cv2.multiply(ground, multiplier, ground, scale=LARGEST / 255.0)
+        cv2.multiply(ground, multiplier, ground, scale=LARGEST * BRIGHTEST / 255.0)
 
     def _multiplier(self, lux: Floats) -> Image:
         """(rows, W, 3) factor of each pixel, as 8 bits."""
@@ -74,13 +76,13 @@ def _in_ego_axes(view: View, points_m: Floats) -> Floats:
 
 
 def paint_efficiency(wetness: float, beam_share: float) -> Floats:
-    """(256,) brightness of the palette's values in the light of lamps, over that by day; 1 on asphalt.
+    """(256,) brightness of the palette's values in the light of lamps, over that by day; 1 on dry paint in the beam.
 
     Paint returns light to the driver: 150 mcd/m2 for each lx (RW1), of white that returns 250 by day; 35 in the wet
     (EN 1436, class RW1). Grass stands upright in the beam and returns half of what it does by day. `beam_share` is the
     lamps' share of the light.
     """
-    paint = (0.15 + (0.035 - 0.15) * wetness) / 0.25 / ASPHALT
+    paint = PAINT / ASPHALT * (1.0 + (0.035 / 0.15 - 1.0) * wetness)
     grass = 0.5 / ASPHALT
     values = np.interp(np.arange(256), (0, 80, 112, 175, 222), (grass, grass, 1.0, 1.0, paint))
-    return np.asarray((1.0 + (values - 1.0) * beam_share) ** (1.0 / GAMMA))
+    return np.asarray((1.0 + (values - 1.0) * beam_share) ** (1.0 / GAMMA) / BRIGHTEST)

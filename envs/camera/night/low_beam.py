@@ -5,12 +5,13 @@ import numpy as np
 from vpf_sim.types import Floats
 
 PEAK_CD = 16_000.0
-ABOVE_CD, ABOVE_WIDE = 220.0, 0.9  # stray light above the cut-off, on signs and into the eyes of others; its width
+ABOVE_CD = 220.0  # stray light, also above the cut-off: on signs and into the eyes of others
+ABOVE_WIDE, ABOVE_TALL = 0.9, 0.5  # its extents
 DIP = 0.010  # slope of the cut-off: 1 % down
 RISE, HIGHEST = 0.268, 0.012  # the cut-off rises at 15 deg on the right, up to this slope
 SOFT, OFFSET = 0.0012, 0.0015  # half width of the cut-off, and the middle of its edge below it
 NARROW, WIDE = (0.5, 0.13), (0.5, 0.6)  # share and width of the hot spot, and of the wide light, across
-STEEP, SHALLOW = (0.85, 0.035), (0.15, 0.16)  # share and depth of both, below the cut-off
+STEEP, SHALLOW = (0.85, 0.035), (0.15, 0.22)  # share and depth of both, below the cut-off
 
 
 def intensity_cd(across: Floats, up: Floats) -> Floats:
@@ -24,4 +25,5 @@ def intensity_cd(across: Floats, up: Floats) -> Floats:
     depth = np.maximum(below, 0.0)
     wide = sum(share * np.exp(-((across / width) ** 2)) for share, width in (NARROW, WIDE))
     deep = sum(share * np.exp(-depth / scale) for share, scale in (STEEP, SHALLOW))
-    return np.asarray(ABOVE_CD * np.exp(-((across / ABOVE_WIDE) ** 2)) + PEAK_CD * cut * wide * deep)
+    stray = ABOVE_CD * np.exp(-((across / ABOVE_WIDE) ** 2) - (np.maximum(up, 0.0) / ABOVE_TALL) ** 2)
+    return np.asarray(stray + PEAK_CD * cut * wide * deep)
