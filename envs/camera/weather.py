@@ -44,7 +44,12 @@ class Weather(BaseModel):
         default=0.0,
         description="of the road: darker, and a mirror at grazing angles; at least as wet as rain and puddles say",
     )
-    sun_altitude_angle: float = Field(default=45.0, ge=-90.0, le=90.0, description="degrees above the horizon")
+    sun_altitude_angle: float = Field(
+        default=45.0,
+        ge=-90.0,
+        le=90.0,
+        description="degrees above the horizon: -6 dusk, -90 night; vehicles have lamps on in daylight below 1000 lx",
+    )
     sun_azimuth_angle: float = Field(
         default=215.0, ge=0.0, le=360.0, description="degrees clockwise from the world's X axis"
     )
