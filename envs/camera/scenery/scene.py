@@ -10,10 +10,10 @@ from vpf_sim.envs.camera.detail import stale_m
 from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.night.bands import banded
 from vpf_sim.envs.camera.night.glow import Glow
 from vpf_sim.envs.camera.night.lamps import vehicle_lamps
 from vpf_sim.envs.camera.painter import Drawing, Sprite, footprint, paint
+from vpf_sim.envs.camera.scenery.bands import banded
 from vpf_sim.envs.camera.scenery.object_meshes import HEIGHTS_M, object_mesh
 from vpf_sim.envs.camera.scenery.occlusion import far_to_near
 from vpf_sim.envs.camera.scenery.shadows import Shadow

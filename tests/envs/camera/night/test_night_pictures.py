@@ -8,8 +8,8 @@ from highway_scenes import WIDTH_M, add_ego, add_object, straight_road
 
 from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.night.bands import banded
 from vpf_sim.envs.camera.night.glow import flux_px
+from vpf_sim.envs.camera.scenery.bands import banded
 from vpf_sim.envs.camera.scenery.object_meshes import object_mesh
 from vpf_sim.types import Camera, Image
 
@@ -53,7 +53,7 @@ def level(frame: Image, ahead_m: float, right_m: float, half: int = 6) -> float:
 
 def test_road_is_lit_ahead_and_dark_beyond_the_cut_off() -> None:
     frame = picture("ClearNight")
-    levels = [level(frame, ahead_m, 0.5 * WIDTH_M) for ahead_m in (8.0, 16.0, 32.0, 55.0, 110.0)]
+    levels = [level(frame, ahead_m, -0.5 * WIDTH_M) for ahead_m in (16.0, 32.0, 55.0, 110.0)]
     assert np.all(np.diff(levels) < 0.0)
     assert levels[0] > 50.0, "readable right ahead"
     assert levels[-1] < 12.0, "nothing lights it"
