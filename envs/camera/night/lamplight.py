@@ -43,7 +43,7 @@ class Lamplight:
         total = np.zeros(np.shape(ahead))
         for aside in (right - LAMP_ASIDE_M, right + LAMP_ASIDE_M):
             total += intensity_cd(aside / ahead, up / ahead) / (ahead**2 + aside**2 + up**2)
-        return np.where(lit, total, 0.0)
+        return np.asarray(np.where(lit, total, 0.0))
 
     def street_lx(self, points_m: Floats, lamps_m: Floats | None = None) -> Floats:
         """(n,) lx of street lamps at points (n, 3) on level planes: I h / d^3 for a lamp h above them.
@@ -65,7 +65,8 @@ class Lamplight:
         apart = self.street_lamps_m[:, :2] - view.centre[:2]
         ahead = apart @ view.axes[2, :2]
         near = np.abs(apart).max(axis=1, initial=0.0) < range_m
-        return self.street_lamps_m[near & (ahead > -STREET_RANGE_M)]
+        shown: Bools = near & (ahead > -STREET_RANGE_M)
+        return np.asarray(self.street_lamps_m[shown])
 
     def on_faces(self, view: View, faces_m: Floats, normals: Floats, retro: Bools) -> Floats:
         """(n, 3) RGB factors of faces (n, V, 3) in world axes with `normals` (n, 3), by the light at their middles."""
@@ -93,4 +94,5 @@ class Lamplight:
         if not len(lamps) or not len(points_m):
             return lamps[:0]
         low, high = points_m[:, :2].min(axis=0) - STREET_RANGE_M, points_m[:, :2].max(axis=0) + STREET_RANGE_M
-        return lamps[((lamps[:, :2] > low) & (lamps[:, :2] < high)).all(axis=1)]
+        near: Bools = ((lamps[:, :2] > low) & (lamps[:, :2] < high)).all(axis=1)
+        return np.asarray(lamps[near])

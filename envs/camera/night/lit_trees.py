@@ -33,4 +33,4 @@ def tree_factors(
 def lit(picture: Image, factors: Floats) -> Image:
     """(h, w, 4) a tree's image under the `factors` (LEVELS, 1, 4)."""
     rows = cv2.resize(factors, (1, len(picture)), interpolation=cv2.INTER_LINEAR).reshape(-1, 1, 4)
-    return np.minimum(picture * rows, np.float32(255.0)).astype(np.uint8)
+    return np.asarray(np.minimum(picture * rows, np.float32(255.0)), np.uint8)

@@ -43,18 +43,28 @@ class Group:
     normals: Floats  # (F, 3)
     offsets_m: Floats  # (F,) plane offsets
     colours: Floats  # (F, 4) contrasts in daylight, or (F, 3) RGB in full light for the light of lamps
-    retro: Bools  # (F,) whether they are retroreflective
     from_m: Floats  # (F,) distance range of the face
     until_m: Floats  # (F,)
     fading: Floats  # (F,) 1/m, slope of the opacity in the last share of the range
+    retro: Bools  # (F,) whether they are retroreflective
 
     def only(self, items: Bools, faces: Bools) -> "Group":
         """The faces `faces` of the items `items`."""
         kept = np.flatnonzero(faces & items[self.owner])
         owner = (np.cumsum(items) - 1)[self.owner[kept]]
-        arrays = (self.faces_m, self.normals, self.offsets_m, self.colours, self.retro, self.from_m, self.until_m)
-        parts = (array[kept] for array in (*arrays, self.fading))
-        return Group(self.middles_m[items], self.radii_m[items], owner, *parts)
+        return Group(
+            self.middles_m[items],
+            self.radii_m[items],
+            owner,
+            faces_m=self.faces_m[kept],
+            normals=self.normals[kept],
+            offsets_m=self.offsets_m[kept],
+            colours=self.colours[kept],
+            from_m=self.from_m[kept],
+            until_m=self.until_m[kept],
+            fading=self.fading[kept],
+            retro=self.retro[kept],
+        )
 
 
 @dataclass(frozen=True, slots=True)
