@@ -1,6 +1,7 @@
-"""Draw the README's image of the weather: one pose in six weathers.
+"""Draw an image of one pose in six weathers, or in others by their names.
 
 python scripts/weathers.py docs/pictures/weathers.jpg
+python scripts/weathers.py docs/pictures/night.jpg ClearNight WetNight HardRainNight ClearDusk
 """
 
 import sys
@@ -17,7 +18,7 @@ from vpf_sim.types import Image
 
 POSE = "car-ahead"
 WEATHERS = ("ClearNoon", "ClearSunset", "FoggyNoon", "WetCloudyNoon", "MidRainyNoon", "HardRainNoon")
-WIDTH_PX, QUALITY = 480, 85
+WIDTH_PX, QUALITY, NOISY_QUALITY = 480, 85, 58  # noise of the dark takes many bytes
 
 
 def picture(name: str) -> Image:
@@ -32,10 +33,12 @@ def picture(name: str) -> Image:
 
 
 def main() -> None:
-    pictures = [picture(name) for name in WEATHERS]
+    names = sys.argv[2:] or WEATHERS
+    pictures = [picture(name) for name in names]
+    quality = NOISY_QUALITY if any("Night" in name for name in names) else QUALITY
     target = Path(sys.argv[1])
     target.parent.mkdir(parents=True, exist_ok=True)
-    target.write_bytes(jpeg(sheet(pictures, 3), QUALITY))
+    target.write_bytes(jpeg(sheet(pictures, 3 if len(pictures) > 4 else 2), quality))
 
 
 if __name__ == "__main__":

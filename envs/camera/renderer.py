@@ -60,7 +60,8 @@ class Renderer:
         self._scene = Scene(camera, shapes, light, self._haze, seed)
         shaded = appearance is not None and appearance.shadows and light.shadow < NO_SUN
         shadows = self._scene.scenery_shadows() if shaded else None
-        self._ground = Ground(camera, shapes, light, atmosphere.wetness, seed, appearance, shadows)
+        lamplight = self._scene.lamplight
+        self._ground = Ground(camera, shapes, light, atmosphere.wetness, seed, appearance, shadows, lamplight)
         self._wet_road = WetRoad(camera, shapes, atmosphere, seed)
         self._spray = Spray(camera, atmosphere, light, seed)
         self._streaks = Streaks(camera, atmosphere, light, weather.streak_gain, seed)

@@ -1,7 +1,8 @@
 """Weather: CARLA's factors and presets, and weather files.
 
 Names, ranges and presets are those of CARLA 0.9.16 (`carla.WeatherParameters`, PythonAPI/docs/weather.yml), except
-`wetness`, which CARLA leaves at 0 in rain, and the sun's azimuth, which it leaves to the map. Physical meanings:
+`wetness`, which CARLA leaves at 0 in rain, the sun's azimuth, which it leaves to the map, and the fog at night, where
+CARLA's 60 to 100 would leave a visibility of 50 to 550 m here. FoggyNoon and Dusk are ours. Physical meanings:
 `vpf_sim.envs.camera.atmosphere`.
 """
 
@@ -43,7 +44,12 @@ class Weather(BaseModel):
         default=0.0,
         description="of the road: darker, and a mirror at grazing angles; at least as wet as rain and puddles say",
     )
-    sun_altitude_angle: float = Field(default=45.0, ge=-90.0, le=90.0, description="degrees above the horizon")
+    sun_altitude_angle: float = Field(
+        default=45.0,
+        ge=-90.0,
+        le=90.0,
+        description="degrees above the horizon: -6 dusk, -90 night; vehicles have lamps on in daylight below 1000 lx",
+    )
     sun_azimuth_angle: float = Field(
         default=215.0, ge=0.0, le=360.0, description="degrees clockwise from the world's X axis"
     )
@@ -115,6 +121,15 @@ PRESETS = {
         _preset("SoftRainSunset", 20, 30, 50, 30, 15, 2, INTERVAL_WIPER_S),
         _preset("MidRainSunset", 60, 60, 60, 60, 15, 3, SLOW_WIPER_S),
         _preset("HardRainSunset", 100, 100, 90, 100, 15, 7, FAST_WIPER_S),
+        _preset("ClearDusk", 5, 0, 0, 10, -6, 2),
+        _preset("WetDusk", 5, 0, 50, 10, -6, 2),
+        _preset("ClearNight", 5, 0, 0, 10, -90, 2),
+        _preset("CloudyNight", 60, 0, 0, 10, -90, 3),
+        _preset("WetNight", 5, 0, 50, 10, -90, 3),
+        _preset("WetCloudyNight", 60, 0, 50, 10, -90, 3),
+        _preset("SoftRainNight", 60, 30, 50, 30, -90, 3, INTERVAL_WIPER_S),
+        _preset("MidRainyNight", 80, 60, 60, 60, -90, 3, SLOW_WIPER_S),
+        _preset("HardRainNight", 100, 100, 90, 100, -90, 7, FAST_WIPER_S),
     )
 }
 ALIASES = {"clear": "ClearNoon", "cloudy": "CloudyNoon", "rain": "HardRainNoon", "MidRainNoon": "MidRainyNoon"}

@@ -12,13 +12,15 @@ from vpf_sim.envs.camera.ground.gains import even_gains
 from vpf_sim.envs.camera.ground.grain import Grain
 from vpf_sim.envs.camera.ground.levels import Level, levels
 from vpf_sim.envs.camera.ground.paint import GRASS, painted
-from vpf_sim.envs.camera.ground.palette import blotch_strength, grain_strength, ground_table
+from vpf_sim.envs.camera.ground.palette import blotch_strength, grain_strength, ground_table, lamp_table
 from vpf_sim.envs.camera.ground.patches import Patch, patch_of, sample
 from vpf_sim.envs.camera.ground.raster import Raster
 from vpf_sim.envs.camera.ground.surface import Surface
 from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.night.ground_light import GroundLight, paint_efficiency
+from vpf_sim.envs.camera.night.lamplight import Lamplight
 from vpf_sim.envs.camera.view import View
 from vpf_sim.scenarios.parts import RoadAppearance
 from vpf_sim.timing import timed
@@ -40,8 +42,12 @@ class Ground:
         seed: int,
         appearance: RoadAppearance | None = None,
         shadows: list[Floats] | None = None,
+        lamplight: Lamplight | None = None,
     ) -> None:
-        """`shadows` are the convex outlines (V, 2) m of the scenery's shadows, None without any."""
+        """`shadows` are the convex outlines (V, 2) m of the scenery's shadows, None without any.
+
+        `lamplight` is the light of lamps in the dark, None by day.
+        """
         look = RoadAppearance() if appearance is None else appearance
         self._top = ground_top(camera)
         self._levels = levels(camera)
@@ -52,7 +58,12 @@ class Ground:
             self._patches.append(
                 patch_of(camera, level, partial(_painted, surface, Grain(level, seed), gain, look.grain))
             )
-        self._table = ground_table(light, wetness, ramp(look))
+        self._lamps = None if lamplight is None else GroundLight(camera, lamplight)
+        self._table = (
+            ground_table(light, wetness, ramp(look))
+            if lamplight is None
+            else lamp_table(wetness, ramp(look), paint_efficiency(wetness, lamplight.share))
+        )
         self._values = np.empty((camera.height_px - self._top, camera.width_px), np.uint8)
         faded = max((len(level.weights) for level in self._levels), default=0)
         self._over = np.empty((faded, camera.width_px), np.uint8)
@@ -79,6 +90,8 @@ class Ground:
         if self._shadows:
             self._sample(self._shadows, view, LIT)
             darken(ground, self._values, self._shade)
+        if self._lamps is not None:
+            self._lamps.apply(ground, view)
 
     def _sample(self, patches: list[Patch], view: View, outside: int) -> None:
         """Sample all rows from the patches of the levels."""

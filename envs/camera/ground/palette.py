@@ -44,13 +44,26 @@ def ground_table(light: Light, wetness: float, ramp: Floats = RAMP) -> NDArray[n
     The ramp, (value, red, green, blue), holds the colours of ClearNoon. Wet surfaces are darker and more saturated: a
     power law keeps bright paint bright (Lagarde, "Water drop 3", 2013) and gives asphalt 0.6 of its brightness.
     """
+    return _table(_wet(ramp, wetness) * light.ground / _noon().ground)
+
+
+def lamp_table(wetness: float, ramp: Floats, efficiency: Floats) -> NDArray[np.uint8]:
+    """(256, 1, 3) RGB of the palette values in full light of lamps; `efficiency` is (256,), see `GroundLight`."""
+    return _table(_wet(ramp, wetness) * efficiency[:, None])
+
+
+def _wet(ramp: Floats, wetness: float) -> Floats:
+    """(256, 3) RGB of the palette values at ClearNoon, on a wet surface."""
     values = np.arange(256)
     colours = np.stack([np.interp(values, ramp[:, 0], ramp[:, i]) for i in (1, 2, 3)], axis=1)
     soaked = wetness * np.interp(values, WET_SHARE[:, 0], WET_SHARE[:, 1])[:, None]
     exponent = 1.0 + soaked * np.log(WET_FACTOR) / np.log(ASPHALT_GREY / PAINT_GREY)
-    wet = PAINT_GREY * (colours / PAINT_GREY) ** exponent
-    lit = np.clip(wet * light.ground / _noon().ground, 0.0, 255.0)
-    table: NDArray[np.uint8] = np.rint(lit[:, None, :]).astype(np.uint8)
+    return np.asarray(PAINT_GREY * (colours / PAINT_GREY) ** exponent)
+
+
+def _table(colours: Floats) -> NDArray[np.uint8]:
+    """(256, 1, 3) colours (256, 3) as 8 bits."""
+    table: NDArray[np.uint8] = np.rint(np.clip(colours, 0.0, 255.0)[:, None, :]).astype(np.uint8)
     return table
 
 

@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from vpf_sim.envs.camera.night.glow import Glow
 from vpf_sim.envs.camera.painter import SHIFT, Drawing, Sprite
 from vpf_sim.envs.camera.truth import Drawn
 from vpf_sim.envs.camera.view import View
@@ -122,8 +123,10 @@ def paint_faces(canvas: Image, top: int, faces: MirroredFaces) -> None:
 
 
 def large_sprites(drawn: list[Drawn]) -> list[Sprite]:
-    """The largest billboards, in their order."""
-    sprites = [item.drawing for item in drawn if isinstance(item.drawing, Sprite)]
+    """The largest billboards, in their order; lamps have streaks of their own."""
+    sprites = [
+        item.drawing for item in drawn if isinstance(item.drawing, Sprite) and not isinstance(item.drawing, Glow)
+    ]
     tall = [sprite for sprite in sprites if sprite.picture.shape[0] >= SPRITE_TALL_PX]
     largest = sorted(tall, key=lambda sprite: -sprite.picture.shape[0])[:SPRITES]
     return [sprite for sprite in tall if any(sprite is other for other in largest)]

@@ -24,6 +24,7 @@ OPACITY = 0.95  # of a dense puff in its middle
 NEAREST_M, RANGE_M = 2.5, 70.0  # depths between which puffs are drawn
 SIZE = 48  # pixels of a puff's image, each way
 VARIANTS = 6
+LIT_BY_LAMPS = 60.0  # grey levels of puffs in the dark, between the lamps of two vehicles
 CYCLES = 1024  # random cycles before they repeat, 15 minutes
 
 
@@ -42,7 +43,7 @@ class Spray:
     def __init__(self, camera: Camera, atmosphere: Atmosphere, light: Light, seed: int) -> None:
         self._camera = camera
         self._strength = OPACITY * min(1.0, max(atmosphere.wetness, atmosphere.puddles))
-        self._colour = light.horizon
+        self._colour = np.maximum(light.horizon, LIT_BY_LAMPS) if light.has_lamps else light.horizon
         self._chances = stream(seed, "spray").random((CYCLES, 4))
         self._drawn: list[Drawn] = []
 

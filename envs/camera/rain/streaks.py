@@ -17,6 +17,7 @@ EXPOSURE_S, LONGEST_EXPOSURE_S = 0.002, 0.008  # with the sun at 45 deg, and the
 # Least level of a drop in the image and least contrast of its brightness, grey levels; fainter drops are sensor noise.
 FAINTEST, LEAST_CONTRAST = 4.0, 12.0
 DARKEST, GROUND = 30.0, 75.0  # grey levels: darkest background, mean of the lit ground
+LIT_BY_LAMPS = 130.0  # grey levels: a drop that the car's headlamps light from near by
 STEP_MPS = 1.0  # resolution of the relative motion of cached showers
 SHOWERS = 32  # cached showers
 PIXEL = np.dtype("V3")
@@ -139,7 +140,8 @@ def brightness(light: Light) -> float:
     """Brightness of a drop, grey levels; sky and ground are averaged in linear light."""
     sky = 0.5 * float(np.mean(light.horizon + light.zenith))
     ground = GROUND * float(np.mean(light.ground))
-    return float(0.94 * (0.5 * (sky**GAMMA + ground**GAMMA)) ** (1.0 / GAMMA))
+    by_day = float(0.94 * (0.5 * (sky**GAMMA + ground**GAMMA)) ** (1.0 / GAMMA))
+    return max(by_day, LIT_BY_LAMPS) if light.has_lamps else by_day
 
 
 def add(frame: Image, specks: Specks, gain: float = 1.0) -> None:

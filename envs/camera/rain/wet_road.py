@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.layout import LaneShape
+from vpf_sim.envs.camera.rain.lamp_streaks import lamp_streaks
 from vpf_sim.envs.camera.rain.mirror import (
     REFINEMENT,
     erase,
@@ -113,7 +114,9 @@ class WetRoad:
         self._draw_ripple()
         water = self._water(view)
         self._last = (mirror, water, drawn)
-        self._blend(frame, water.through, self._light(mirror, water))
+        light = self._light(mirror, water)
+        streaks = lamp_streaks(self._camera, drawn, water.share, self._top, 0.4 * self._smear)
+        self._blend(frame, water.through, light if streaks is None else np.asarray(cv2.add(light, streaks), np.uint8))
 
     @property
     def is_due(self) -> bool:

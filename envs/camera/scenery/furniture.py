@@ -16,6 +16,7 @@ ORANGE: Colour = (236, 150, 40)
 NEAR_M = 22.0  # range of full detail
 FAR_M = 60.0  # range of full detail of gantries
 LAMP_HEIGHT_M, LAMP_ARM_M = 9.0, 1.8
+LAMP_M = (-LAMP_ARM_M - 0.35, LAMP_HEIGHT_M - 0.08)  # right of the post's foot, and up: the middle of the lamp
 CLEARANCE_M = 5.6  # clearance under a gantry's boards
 TRUSS_M = (6.3, 7.2)  # heights of its beams
 
@@ -33,7 +34,9 @@ def _post() -> Mesh:
     panels = box(b, (-0.05, -0.06, 0.0), (0.05, 0.06, 1.0), WHITE)
     for name in ("rear", "left", "right"):
         b.shape(panels[name], band, BLACK)
+    b.reflects = True
     b.detail(panels["rear"], (0.3, 0.66), (0.7, 0.82), (216, 206, 176))
+    b.reflects = False
     b.drawn_m = (NEAR_M, 1e3)
     b.whole(panels["rear"], WHITE)
     b.shape(panels["rear"], band, BLACK)

@@ -27,6 +27,7 @@ class Mesh:
     normals: Floats  # (F, 3) unit, outward
     colours: Floats  # (F, 3) RGB 0..255 in full light
     lit: Bools  # (F,) whether light shades it; lamps are emissive
+    retro: Bools  # (F,) whether it is retroreflective: signs, reflectors, number plates
     parts: NDArray[np.int64]  # (F,) index of the convex part; the farthest part is drawn first
     thickness_m: Floats  # (F,) extent across the longest side
     from_m: Floats  # (F,) nearest distance at which it is drawn: coarse faces for far objects
@@ -52,10 +53,12 @@ class MeshBuilder:
     discs: dict[int, tuple[Floats, Floats]] = field(default_factory=dict)  # by face index: points and normal
     colours: list[Colour] = field(default_factory=list)
     lit: list[bool] = field(default_factory=list)
+    retro: list[bool] = field(default_factory=list)
     parts: list[int] = field(default_factory=list)
     distances: list[tuple[float, float]] = field(default_factory=list)
     part: int = 0
     drawn_m: tuple[float, float] = (0.0, np.inf)  # distance range of the following faces
+    reflects: bool = False  # whether the following faces are retroreflective
 
     def next_part(self) -> None:
         """Start a new convex part."""
@@ -77,6 +80,7 @@ class MeshBuilder:
         self.outlines.append(outline + outline[-1:] * (VERTICES - len(outline)))
         self.colours.append(colour)
         self.lit.append(lit)
+        self.retro.append(self.reflects)
         self.parts.append(self.part)
         self.distances.append(self.drawn_m)
 
@@ -103,6 +107,7 @@ class MeshBuilder:
             normals=normals,
             colours=np.array(self.colours, float),
             lit=np.array(self.lit),
+            retro=np.array(self.retro),
             parts=parts,
             thickness_m=_thickness(faces),
             from_m=distances[:, 0],

@@ -127,6 +127,7 @@ def cone(length: float, width: float, height: float, rng: np.random.Generator) -
     for i in range(sides):
         a0, a1 = 2.0 * np.pi * i / sides, 2.0 * np.pi * (i + 1) / sides
         for low, high, colour in bands:
+            b.reflects = colour == WHITE
             r0, r1 = (radius * (1 - v * (1 - top)) for v in (low, high))
             z0, z1 = (foot + v * (height - foot) for v in (low, high))
             ring = [(r0, a1, z0), (r0, a0, z0), (r1, a0, z1), (r1, a1, z1)]
@@ -155,6 +156,7 @@ def barrier(length: float, width: float, height: float, rng: np.random.Generator
     half, thin = 0.5 * width, 0.5 * min(length, 0.3)
     for y in (-0.8 * half, 0.8 * half):
         box(b, (-0.5 * length, y - 0.12, 0.0), (0.5 * length, y + 0.12, 0.12 * height), (48, 46, 45))
+    b.reflects = True
     panels = box(b, (-thin, -half, 0.12 * height), (thin, half, height), (226, 226, 222))
     count = max(2, round(width / 0.35))
     for name in ("rear", "front"):

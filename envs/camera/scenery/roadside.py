@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from vpf_sim.envs.camera.detail import STALE_M, detail, stale_m
 from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.night.lamplight import Lamplight
 from vpf_sim.envs.camera.painter import Drawing, drawing, in_front, planes_of
 from vpf_sim.envs.camera.scenery.aerial_perspective import AerialPerspective, contrasts
 from vpf_sim.envs.camera.scenery.mesh import Mesh
@@ -41,17 +42,29 @@ class Group:
     faces_m: Floats  # (F, VERTICES, 3)
     normals: Floats  # (F, 3)
     offsets_m: Floats  # (F,) plane offsets
-    colours: Floats  # (F, 4) contrasts, lit
+    colours: Floats  # (F, 4) contrasts in daylight, or (F, 3) RGB in full light for the light of lamps
     from_m: Floats  # (F,) distance range of the face
     until_m: Floats  # (F,)
     fading: Floats  # (F,) 1/m, slope of the opacity in the last share of the range
+    retro: Bools  # (F,) whether they are retroreflective
 
     def only(self, items: Bools, faces: Bools) -> "Group":
         """The faces `faces` of the items `items`."""
         kept = np.flatnonzero(faces & items[self.owner])
         owner = (np.cumsum(items) - 1)[self.owner[kept]]
-        arrays = (self.faces_m, self.normals, self.offsets_m, self.colours, self.from_m, self.until_m, self.fading)
-        return Group(self.middles_m[items], self.radii_m[items], owner, *(array[kept] for array in arrays))
+        return Group(
+            self.middles_m[items],
+            self.radii_m[items],
+            owner,
+            faces_m=self.faces_m[kept],
+            normals=self.normals[kept],
+            offsets_m=self.offsets_m[kept],
+            colours=self.colours[kept],
+            from_m=self.from_m[kept],
+            until_m=self.until_m[kept],
+            fading=self.fading[kept],
+            retro=self.retro[kept],
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,14 +96,18 @@ class VisibleFaces:
 class Roadside:
     """The road furniture of one road."""
 
-    def __init__(self, camera: Camera, items: list[Placement], light: Light, haze: Haze) -> None:
+    def __init__(
+        self, camera: Camera, items: list[Placement], light: Light, haze: Haze, lamplight: Lamplight | None = None
+    ) -> None:
+        """`lamplight` is the light of lamps in the dark, None by day."""
+        self._light, self._lamplight = light, lamplight
         self._slope = 0.5 * camera.width_px / camera.fx_px  # slope of the field of view's sides
         self._stale_m = stale_m(camera)
         self._coarse_m = COARSE_M * detail(camera)
         self._surely_m = NEAR_M + 2.0 * self._stale_m  # nearer parts are clipped, or they might pass the near plane
         self._widest = tan(atan(self._slope) + STALE_RAD_PER_M * self._stale_m)
         self._aerial_perspective = AerialPerspective(light, haze)
-        self._all = self._near = _group(items, light, camera)
+        self._all = self._near = _group(items, None if lamplight is not None else light, camera)
         self._place: tuple[int, int, int] | None = None
         self.cached: VisibleFaces | None = None
 
@@ -130,7 +147,7 @@ class Roadside:
         depth, owner = ahead[shown], group.owner[shown]
         firsts = np.diff(owner, prepend=-1).nonzero()[0]
         colours = self._aerial_perspective.colours(
-            group.colours.take(shown, axis=0), depth, np.minimum(1.0, FULL - depth * group.fading[shown])
+            self._contrasts(group, shown, view), depth, np.minimum(1.0, FULL - depth * group.fading[shown])
         )
         return VisibleFaces(
             view,
@@ -142,6 +159,15 @@ class Roadside:
             firsts,
             depth[firsts].tolist(),
         )
+
+    def _contrasts(self, group: Group, shown: Indices, view: View) -> Floats:
+        """(n, 4) contrasts of the faces `shown`."""
+        colours = group.colours.take(shown, axis=0)
+        if self._lamplight is None:
+            return colours
+        faces, normals = group.faces_m.take(shown, axis=0), group.normals.take(shown, axis=0)
+        factor = self._lamplight.on_faces(view, faces, normals, group.retro[shown])
+        return contrasts(np.minimum(255.0, colours * factor), self._light)
 
     def shadow_polygons(self, light: Light) -> list[Floats]:
         """(n, 2) m, shadow outlines on the ground."""
@@ -181,8 +207,8 @@ def _may_be_seen(group: Group, middle: Floats, yaw: float, slope: float) -> Grou
     return group.only(items, faces)
 
 
-def _group(items: list[Placement], light: Light, camera: Camera) -> Group:
-    """All faces in world axes."""
+def _group(items: list[Placement], light: Light | None, camera: Camera) -> Group:
+    """All faces in world axes, lit by daylight or by none."""
     poses = np.array([pose for _, pose, _ in items]).reshape(-1, 3)
     meshes = [mesh for mesh, _, _ in items]
     counts = np.array([len(mesh.faces_m) for mesh in meshes], np.int64)
@@ -198,8 +224,11 @@ def _group(items: list[Placement], light: Light, camera: Camera) -> Group:
     faces = np.concatenate([np.empty((0, VERTICES, 3)), *(mesh.faces_m[:, :VERTICES] for mesh in meshes)])
     faces = np.einsum("fij,fvj->fvi", turns, faces) + places[:, None]
     normals = np.einsum("fij,fj->fi", turns, joined("normals", 3))
-    facing = np.maximum(0.0, normals @ light.sun)[:, None]
-    shading = np.where(joined("lit")[:, None] > 0.0, light.sky + light.direct * facing, 1.0)
+    colours = joined("colours", 3)
+    if light is not None:
+        facing = np.maximum(0.0, normals @ light.sun)[:, None]
+        shading = np.where(joined("lit")[:, None] > 0.0, light.sky + light.direct * facing, 1.0)
+        colours = contrasts(np.minimum(255.0, colours * shading), light)
     ranges_m = np.array([range_m for _, _, range_m in items], float)[owner]
     share, until_m = detail(camera), joined("until_m")
     until_m = np.where(until_m < WHOLE_RANGE_M, share * until_m, until_m)
@@ -211,7 +240,8 @@ def _group(items: list[Placement], light: Light, camera: Camera) -> Group:
         faces_m=faces,
         normals=normals,
         offsets_m=np.einsum("fi,fi->f", normals, faces[:, 0]),
-        colours=contrasts(np.minimum(255.0, joined("colours", 3) * shading), light),
+        colours=colours,
+        retro=joined("retro") > 0.0,
         from_m=joined("from_m") * share,
         until_m=np.minimum(np.minimum(until_m, thinnest), ranges_m),
         fading=1.0 / (FADING * ranges_m),

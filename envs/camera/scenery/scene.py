@@ -10,7 +10,10 @@ from vpf_sim.envs.camera.detail import stale_m
 from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.night.glow import Glow
+from vpf_sim.envs.camera.night.lamps import vehicle_lamps
 from vpf_sim.envs.camera.painter import Drawing, Sprite, footprint, paint
+from vpf_sim.envs.camera.scenery.bands import banded
 from vpf_sim.envs.camera.scenery.object_meshes import HEIGHTS_M, object_mesh
 from vpf_sim.envs.camera.scenery.occlusion import far_to_near
 from vpf_sim.envs.camera.scenery.shadows import Shadow
@@ -51,6 +54,7 @@ class Scene:
         self._light = light
         self._haze = haze
         self._scenery = StaticScenery(camera, shapes, light, haze, seed)
+        self.lamplight = self._scenery.lamplight  # None by day
         self._shapes: dict[RoadObject, Shape] = {}
         self._drawing_order = DrawingOrder()
         self._order: list[int] = []
@@ -58,7 +62,7 @@ class Scene:
     @timed("render.visible")
     def visible(self, now: Snapshot, before: Snapshot) -> list[Drawn]:
         """All visible items, projected, the farthest first."""
-        trees = self._scenery.visible_trees(now.view)
+        trees = self._scenery.visible_sprites(now.view)
         scenery, depths = self._scenery.visible(now.view)
         drawn: list[Drawn] = []
         first = tree = 0
@@ -74,6 +78,8 @@ class Scene:
                 first = _add_until(drawn, scenery, depths, first, behind)
             if obj is not None:
                 drawn.append(obj)
+            if i is not None and obj is not None and self._light.has_lamps:
+                drawn += [Drawn(lamp, -1, STILL) for lamp in self._lamps(now, i)]
         return drawn
 
     def update(self, now: Snapshot) -> None:
@@ -107,12 +113,22 @@ class Scene:
         drawing = self._shape(obj).solid.visible(now.view, pose)
         return None if drawing is None else Drawn(drawing, index + 1, Motion(before.poses.get(obj, pose), pose))
 
+    def _lamps(self, now: Snapshot, index: int) -> list[Glow]:
+        """The lamps of a vehicle that shine into the camera; parked vehicles have none."""
+        obj = now.objects[index]
+        if isinstance(obj, Obstacle):
+            return []
+        return vehicle_lamps(now.view, now.poses[obj], _kind(obj), object_size(obj), self._light)
+
     def _shape(self, obj: RoadObject) -> Shape:
         """The mesh and shadow of an object, created on first use."""
         if obj not in self._shapes:
             rng = stream(self._seed, f"body {len(self._shapes)}")  # part of what a seed means: keep
             size = object_size(obj)
-            solid = Solid(object_mesh(_kind(obj), size, rng), self._light, self._haze)
+            mesh = object_mesh(_kind(obj), size, rng)
+            if self.lamplight is not None:
+                mesh = banded(mesh)
+            solid = Solid(mesh, self._light, self._haze, self.lamplight)
             self._shapes[obj] = Shape(solid, Shadow(size, self._light))
         return self._shapes[obj]
 

@@ -72,6 +72,7 @@ def limit(tens: int) -> Mesh:
     b = MeshBuilder()
     _pole(b, 2.5)
     panel = _facing(0.0, 0.42, 2.0, 0.84)
+    b.reflects = True
     fan(b, panel, ring(12, 0.5), RED)
     fan(b, panel, ring(12, 0.39), WHITE)
     b.drawn_m = (0.0, FAR_M)
@@ -84,6 +85,7 @@ def warning() -> Mesh:
     b = MeshBuilder()
     _pole(b, 2.5)
     panel = _facing(0.0, 0.5, 1.9, 0.9)
+    b.reflects = True
     b.shape(panel, [(0.0, 0.0), (0.5, 1.0), (1.0, 0.0)], RED)
     b.shape(panel, [(0.16, 0.09), (0.5, 0.78), (0.84, 0.09)], WHITE)
     b.drawn_m = (0.0, FAR_M)
@@ -99,6 +101,7 @@ def board(colour: Colour, width: float, height: float, low: float, lines: Sequen
         _pole(b, low + 0.6 * height, y)
     panel = _facing(0.0, 0.5 * width, low, height)
     b.whole([panel[1], panel[0], panel[3], panel[2]], BACK)
+    b.reflects = True
     b.whole(panel, WHITE if colour != WHITE else BLACK)
     margin = 0.05
     b.detail(panel, (margin * height / width, margin), (1.0 - margin * height / width, 1.0 - margin), colour)
@@ -126,6 +129,7 @@ def chevron(count: int, to_right: bool) -> Mesh:
     width = 0.55 * count
     _pole(b, 1.4)
     panel = _facing(0.0, 0.5 * width, 0.8, 0.6)
+    b.reflects = True
     b.whole(panel, WHITE)
     for k in range(count):
         tip, tail = (1.0, 0.0) if to_right else (0.0, 1.0)
@@ -147,11 +151,13 @@ def direction_board(b: MeshBuilder, y: float, low: float, seed: int) -> None:
     colour = (BLUE, GREEN, BLUE)[seed % 3]
     panel = _facing(y, 1.6, low, 2.3, x=-0.24)
     b.whole([panel[1], panel[0], panel[3], panel[2]], BACK)
+    b.reflects = True
     b.whole(panel, WHITE)
     b.detail(panel, (0.02, 0.03), (0.98, 0.97), colour)
     _writing(b, panel, ((0.1, 0.6 + 0.1 * (seed % 3)), (0.1, 0.85), (0.1, 0.5)), WHITE)
     b.shape(panel, [(0.74, 0.34), (0.82, 0.1), (0.82, 0.1), (0.9, 0.34)], WHITE)
     b.detail(panel, (0.79, 0.3), (0.85, 0.5), WHITE)
+    b.reflects = False
 
 
 def lane_arrow(b: MeshBuilder, y: float, low: float) -> None:

@@ -4,10 +4,12 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.detail import stale_m
 from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.night.lamplight import Lamplight
 from vpf_sim.envs.camera.painter import Drawing, drawing, planes_of
 from vpf_sim.envs.camera.scenery.aerial_perspective import AerialPerspective, contrasts
 from vpf_sim.envs.camera.scenery.mesh import Mesh
@@ -49,8 +51,10 @@ class Solid:
     px wide after a camera motion e; SLIVER_PX bounds it.
     """
 
-    def __init__(self, mesh: Mesh, light: Light, haze: Haze) -> None:
+    def __init__(self, mesh: Mesh, light: Light, haze: Haze, lamplight: Lamplight | None = None) -> None:
+        """`lamplight` is the light of lamps in the dark, None by day."""
         self._mesh = mesh
+        self._lamplight = lamplight
         self._light = light
         self._aerial_perspective = AerialPerspective(light, haze)
         self._offsets_m = np.einsum("ij,ij->i", mesh.normals, mesh.faces_m[:, 0])  # plane offsets
@@ -83,7 +87,7 @@ class Solid:
             return near, None
         visible = self.cached
         if visible is None or (distances := visible.plane_distances(near.centre)) is None:
-            visible = self.cached = self._find_visible(near, depth)
+            visible = self.cached = self._find_visible(view, near, depth)
             distances = visible.normals @ near.centre - visible.offsets_m
         return near, distances
 
@@ -95,8 +99,8 @@ class Solid:
             self._contrasts = self.cached = None
         self._pose, self._to_world = pose, object_to_world(pose)
 
-    def _find_visible(self, near: View, depth: float) -> VisibleFaces:
-        """The visible faces at a depth, near the present view."""
+    def _find_visible(self, view: View, near: View, depth: float) -> VisibleFaces:
+        """The visible faces at a depth, near the present view, in the world and in object axes."""
         mesh, eye = self._mesh, near.centre
         distances = mesh.normals @ eye - self._offsets_m
         visible_m = VISIBLE_PX * max(depth - 2.0, 0.0) / near.camera.fx_px
@@ -109,7 +113,8 @@ class Solid:
             far_m = 0.0
             shown = shown[(near.camera_axes(mesh.faces_m[shown])[..., 2] > NEAR_M).any(axis=1)]
         opacity = np.array([min(1.0, (RANGE_M - depth) / (RANGE_M - FADED_IN_M))])
-        colours = self._aerial_perspective.colours(self._lit()[shown], np.array([max(depth, 0.0)]), opacity)
+        lit = self._lit()[shown] if self._lamplight is None else self._lit_by(self._lamplight, view, shown)
+        colours = self._aerial_perspective.colours(lit, np.array([max(depth, 0.0)]), opacity)
         faces = mesh.faces_m.take(shown, axis=0)
         return VisibleFaces(eye, far_m, faces, mesh.normals[shown], self._offsets_m[shown], colours.tolist())
 
@@ -121,3 +126,11 @@ class Solid:
             shading = np.where(mesh.lit[:, None], light.sky + light.direct * facing, 1.0)
             self._contrasts = contrasts(np.minimum(mesh.colours * shading, 255.0), light)
         return self._contrasts
+
+    def _lit_by(self, lamplight: Lamplight, view: View, shown: NDArray[np.int64]) -> Floats:
+        """(n, 4) contrasts of the faces `shown` in the light of lamps."""
+        mesh, turn = self._mesh, self._to_world[:3, :3]
+        faces = mesh.faces_m[shown] @ turn.T + self._to_world[:3, 3]
+        factor = lamplight.on_faces(view, faces, mesh.normals[shown] @ turn.T, mesh.retro[shown])
+        factor[~mesh.lit[shown]] = 1.0
+        return contrasts(np.minimum(mesh.colours[shown] * factor, 255.0), self._light)

@@ -5,10 +5,12 @@ import numpy as np
 from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.night.lamplight import Lamplight
+from vpf_sim.envs.camera.night.lamps import street_lamps
 from vpf_sim.envs.camera.painter import Drawing, Sprite
 from vpf_sim.envs.camera.scenery.roadside import Roadside
 from vpf_sim.envs.camera.scenery.trees import BUSHES, HEIGHTS_M, VARIANTS, Trees, TreeStand
-from vpf_sim.envs.camera.scenery.verge import STATION_M, Verge
+from vpf_sim.envs.camera.scenery.verge import STATION_M, TALL_RANGE_M, Verge, lamp_places
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats
@@ -23,8 +25,11 @@ class StaticScenery:
 
     def __init__(self, camera: Camera, shapes: list[LaneShape], light: Light, haze: Haze, seed: int) -> None:
         verge = Verge(shapes)
-        self._trees = TreeStand(camera, _planted(verge, stream(seed, "trees")), light, haze)
-        self._roadside = Roadside(camera, verge.furniture(stream(seed, "scenery")), light, haze)
+        furniture = verge.furniture(stream(seed, "scenery"))
+        # the light of lamps in the dark; None by day
+        self.lamplight = Lamplight(light, lamp_places(furniture)) if light.has_lamps else None
+        self._trees = TreeStand(camera, _planted(verge, stream(seed, "trees")), light, haze, self.lamplight)
+        self._roadside = Roadside(camera, furniture, light, haze, self.lamplight)
 
     def visible(self, view: View) -> tuple[Drawing | None, list[float]]:
         """The visible faces, the farthest item first, and the depth of each item, m."""
@@ -34,9 +39,13 @@ class StaticScenery:
         """Update visibility without drawing."""
         self._roadside.update(view)
 
-    def visible_trees(self, view: View) -> list[Sprite]:
-        """The visible trees, the farthest first."""
-        return self._trees.visible(view)
+    def visible_sprites(self, view: View) -> list[Sprite]:
+        """The visible trees, and the light of street lamps in the dark, the farthest first."""
+        trees = self._trees.visible(view)
+        if self.lamplight is None:
+            return trees
+        lamps = street_lamps(view, self.lamplight.lamps_ahead(view, TALL_RANGE_M), self.lamplight.light)
+        return sorted([*trees, *lamps], key=lambda sprite: -sprite.depth_m)
 
     def shadow_polygons(self, light: Light) -> list[Floats]:
         """(n, 2) m, shadow outlines on the ground of furniture, trees and bushes."""

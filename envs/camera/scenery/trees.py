@@ -1,5 +1,6 @@
 """Trees and bushes: billboards with images made from noise."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import ceil
@@ -10,7 +11,10 @@ from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.night.lamplight import Lamplight
+from vpf_sim.envs.camera.night.lit_trees import lit, tree_factors
 from vpf_sim.envs.camera.painter import Sprite
+from vpf_sim.envs.camera.scenery.tree_kinds import KINDS, Kind
 from vpf_sim.envs.camera.texture import noise
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
@@ -35,56 +39,8 @@ SHADOW_SIDES = 10
 BARK = np.array([70.0, 60.0, 50.0])
 STEP_M = 12.0  # travel of the camera before nearby trees are collected again
 Indices = NDArray[np.int64]
-Blob = tuple[float, float, float, float]  # centre x, y and radii, in heights; y from the top down
 
 
-@dataclass(frozen=True, slots=True)
-class Kind:
-    """A kind of tree or bush."""
-
-    height_m: float
-    crown: tuple[Blob, ...]
-    stems: tuple[tuple[float, float], ...]  # (x, half width) of each, in heights
-    hue: tuple[float, float, float]  # RGB of a lit leaf
-    gaps: float  # raggedness of the crown
-
-
-KINDS = (
-    Kind(
-        9.5,
-        ((0.37, 0.30, 0.25, 0.24), (0.2, 0.44, 0.17, 0.16), (0.54, 0.43, 0.18, 0.18)),
-        ((0.37, 0.022),),
-        (78, 100, 48),
-        0.3,
-    ),
-    Kind(
-        8.0,
-        ((0.37, 0.25, 0.19, 0.22), (0.33, 0.5, 0.25, 0.22), (0.45, 0.4, 0.22, 0.2)),
-        ((0.38, 0.02),),
-        (92, 106, 50),
-        0.36,
-    ),
-    Kind(12.5, ((0.37, 0.36, 0.1, 0.35), (0.38, 0.62, 0.12, 0.25)), ((0.37, 0.016),), (66, 90, 46), 0.22),  # poplar
-    Kind(
-        11.0,
-        ((0.37, 0.2, 0.1, 0.2), (0.37, 0.42, 0.17, 0.2), (0.37, 0.68, 0.24, 0.22)),
-        ((0.37, 0.016),),
-        (46, 70, 48),
-        0.3,
-    ),
-    Kind(  # a clump of three
-        10.0,
-        ((0.2, 0.42, 0.17, 0.24), (0.42, 0.3, 0.18, 0.26), (0.58, 0.5, 0.15, 0.22), (0.4, 0.62, 0.2, 0.16)),
-        ((0.2, 0.014), (0.42, 0.018), (0.58, 0.013)),
-        (74, 94, 46),
-        0.32,
-    ),
-    Kind(
-        7.0, ((0.3, 0.32, 0.2, 0.26), (0.47, 0.4, 0.2, 0.24)), ((0.33, 0.012), (0.41, 0.012)), (104, 114, 58), 0.42
-    ),  # birches
-    Kind(2.4, ((0.37, 0.62, 0.33, 0.36), (0.2, 0.76, 0.18, 0.23), (0.56, 0.74, 0.17, 0.24)), (), (76, 96, 46), 0.3),
-    Kind(1.6, ((0.2, 0.7, 0.2, 0.28), (0.48, 0.62, 0.24, 0.36), (0.6, 0.8, 0.14, 0.18)), (), (98, 104, 56), 0.4),
-)
 VARIANTS, BUSHES = len(KINDS), 2
 HEIGHTS_M = tuple(kind.height_m for kind in KINDS)
 RANGES_M = tuple(min(RANGE_M, HEIGHTS_SEEN * kind.height_m) for kind in KINDS)
@@ -179,8 +135,12 @@ class _Near:
 class TreeStand:
     """The trees of a road in one light and haze."""
 
-    def __init__(self, camera: Camera, trees: Trees, light: Light, haze: Haze) -> None:
-        tint = (light.sky + 0.5 * light.direct) / NOON
+    def __init__(
+        self, camera: Camera, trees: Trees, light: Light, haze: Haze, lamplight: Lamplight | None = None
+    ) -> None:
+        """`lamplight` is the light of lamps in the dark, None by day."""
+        self._lamplight = lamplight
+        tint = (light.sky + 0.5 * light.direct) / NOON if lamplight is None else np.ones(3)
         scale = np.diag([*tint, 1.0])
         pictures = [tree_picture(variant) for variant in range(VARIANTS)]
         self._levels = [[np.asarray(cv2.transform(level, scale), np.uint8) for level in p.levels] for p in pictures]
@@ -202,7 +162,7 @@ class TreeStand:
 
     def visible(self, view: View) -> list[Sprite]:
         """The visible trees, the farthest first."""
-        variants, depth, corner, size = self._in_view(view)
+        variants, depth, corner, size, feet_m = self._in_view(view)
         first = np.maximum(np.floor(corner), 0.0)
         extent = np.minimum(np.ceil(corner + size), self._limits) - first
         levels = np.floor(np.log2(self._rows[variants] / size[1])).clip(0, self._coarsest[variants]).astype(np.int64)
@@ -212,14 +172,19 @@ class TreeStand:
         sources[:, :, 2] = ((first - corner + 0.5) * fine - 0.5).T
         kinds = np.array((variants, levels, depth / HAZE_STEP_M), np.int64).T.tolist()
         places = np.concatenate((first, extent)).astype(np.int64).T.tolist()
+        factors: Sequence[Floats | None] = [None] * len(kinds)
+        if self._lamplight is not None:
+            factors = list(tree_factors(self._lamplight, view, feet_m.T, depth, first[1], extent[1]))
         return [
-            Sprite(x, y, self._sampled(kind, source, (columns, rows)), far)
-            for kind, source, (x, y, columns, rows), far in zip(kinds, sources, places, depth.tolist(), strict=True)
+            Sprite(x, y, self._sampled(kind, source, (columns, rows), factor), far)
+            for kind, source, (x, y, columns, rows), far, factor in zip(
+                kinds, sources, places, depth.tolist(), factors, strict=True
+            )
             if columns > 0 and rows > 0
         ]
 
-    def _in_view(self, view: View) -> tuple[Indices, Floats, Floats, Floats]:
-        """Variants (n,), depths (n,), corners (2, n) px and sizes (2, n) px of the visible trees."""
+    def _in_view(self, view: View) -> tuple[Indices, Floats, Floats, Floats, Floats]:
+        """Variants (n,), depths (n,), corners (2, n) px, sizes (2, n) px and feet (2, n) m of the visible trees."""
         camera, near = view.camera, self._near_trees(view.centre[:2])
         right, down, depth = view.axes[:, :2] @ near.feet_m - (view.axes @ view.centre)[:, None]
         left = right + near.left_m
@@ -231,7 +196,7 @@ class TreeStand:
         place = np.array((left, down + near.top_m, near.width_m, near.height_m)).take(index, axis=1)
         place *= camera.fy_px / depth
         middle = ((camera.cx_px,), (camera.cy_px,))
-        return near.variants[index], depth, np.add(place[:2], middle), place[2:]
+        return near.variants[index], depth, np.add(place[:2], middle), place[2:], near.feet_m[:, index]
 
     def shadow_polygons(self, light: Light) -> list[Floats]:
         """(n, 2) m, shadow outlines of all stems and lumps of leaves."""
@@ -261,10 +226,18 @@ class TreeStand:
             self._middle, self._near = eye, _Near.of(self._trees, self._frames_m, np.flatnonzero(close))
         return self._near
 
-    def _sampled(self, kind: list[int], source: Floats, size: tuple[int, int]) -> Image:
-        """(rows, columns, 4) the image of `kind` (variant, level, haze step), sampled by the affine `source` (2, 3)."""
-        picture = self._hazed(*kind)
-        return np.asarray(cv2.warpAffine(picture, source, size, flags=SAMPLED, borderValue=NOTHING), np.uint8)
+    def _sampled(self, kind: list[int], source: Floats, size: tuple[int, int], factors: Floats | None) -> Image:
+        """(rows, columns, 4) the image of `kind` (variant, level, haze step), sampled by the affine `source` (2, 3).
+
+        `factors` are those of the light of lamps, None by day.
+        """
+        variant, level, step = kind
+        picture = self._hazed(*kind) if factors is None else self._levels[variant][level]
+        sampled = np.asarray(cv2.warpAffine(picture, source, size, flags=SAMPLED, borderValue=NOTHING), np.uint8)
+        if factors is None:
+            return sampled
+        shown, transform = lit(sampled, factors), self._haze_transforms[variant][step]
+        return shown if transform is None else np.asarray(cv2.transform(shown, transform), np.uint8)
 
     def _hazed(self, variant: int, level: int, step: int) -> Image:
         """(h, w, 4) an image with the haze of a distance step, cached."""

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from vpf_sim.envs.camera.layout import Edge, LaneShape, outer_edges
-from vpf_sim.envs.camera.scenery.furniture import LAMP_POST, POST, gantry, rail
+from vpf_sim.envs.camera.scenery.furniture import LAMP_M, LAMP_POST, POST, gantry, rail
 from vpf_sim.envs.camera.scenery.roadside import Placement
 from vpf_sim.envs.camera.scenery.signs import SIGNS, chevron
 from vpf_sim.geometry import unwrapped
@@ -136,6 +136,14 @@ class Verge:
             if aside[k] < STATION_M and 0.0 < along[k] < width:
                 result.append(float(along[k]))
         return sorted(result)
+
+
+def lamp_places(furniture: list[Placement]) -> Floats:
+    """(n, 3) m, world positions of the lamps of the lamp posts among the furniture."""
+    poses = np.array([pose for mesh, pose, _ in furniture if mesh is LAMP_POST[-1]]).reshape(-1, 3)
+    x, y, heading = poses.T
+    aside, height = LAMP_M
+    return np.stack([x - aside * np.sin(heading), y + aside * np.cos(heading), np.full(len(x), height)], axis=1)
 
 
 def _stations(edge: Edge) -> Edge:

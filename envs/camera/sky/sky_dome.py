@@ -42,7 +42,7 @@ def sky_dome(light: Light, atmosphere: Atmosphere, per_rad: float, rng: np.rando
     angle = _angle_to_sun(light, slope, azimuth)
     behind = (1.0 - light.cover) * np.exp(-SUN_HAZE_M * atmosphere.extinction_per_m)  # broken clouds glow too
     sun = min(max(float(light.direct.mean()) / NOON_SUN, float(behind)), 1.0)
-    warm = 255.0 * light.direct / max(float(light.direct.max()), 1e-6)
+    warm = light.afterglow if light.afterglow.any() else 255.0 * light.direct / max(float(light.direct.max()), 1e-6)
     sky = _gradient(light, slope)
     glow = 0.7 * sun * np.exp(-angle / GLOW_RAD)[..., None]
     sky += (np.maximum(warm, sky) - sky) * glow

@@ -250,7 +250,7 @@ def test_weather_files_change_single_factors(tmp_path):
         ("rain = 40.0", "rain: unknown key"),
         ("base = 3", "base: expected the name of a weather, got 3"),
         ("base = 'ClaerNoon'", "base: unknown weather 'ClaerNoon': did you mean 'ClearNoon'"),
-        ("base = 'other.toml'", "base: unknown weather 'other.toml': known: ClearNoon"),
+        ("base = 'other.toml'", "base: unknown weather 'other.toml': known: ClearDusk"),
         ("bsae = 'clear'", "bsae: unknown key, did you mean 'base'"),
         ("base = ", "expected TOML, got: Invalid value"),
         ("name = '\xe4'", "expected a readable weather file, got: not a text file"),

@@ -90,7 +90,7 @@ def test_seed_determines_the_scenery() -> None:
         scenery = StaticScenery(CAMERA, shapes, LIGHT, HAZE, seed)
         drawing, _ = scenery.visible(view)
         assert drawing is not None
-        pictures.append((drawing.polygons_px, [(tree.x, tree.y) for tree in scenery.visible_trees(view)]))
+        pictures.append((drawing.polygons_px, [(tree.x, tree.y) for tree in scenery.visible_sprites(view)]))
     assert np.array_equal(pictures[0][0], pictures[1][0])
     assert pictures[0][1] == pictures[1][1]
     assert pictures[0][1] != pictures[2][1]

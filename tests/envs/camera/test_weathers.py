@@ -29,6 +29,16 @@ CARLA = {
     "MidRainSunset": (60, 60, 60, 60, 15, 3),
     "HardRainSunset": (100, 100, 90, 100, 15, 7),
 }
+# The same of CARLA's nights, without their fog of 60 to 100, which here would hide the road.
+CARLA_NIGHTS = {
+    "ClearNight": (5, 0, 0, 10, -90),
+    "CloudyNight": (60, 0, 0, 10, -90),
+    "WetNight": (5, 0, 50, 10, -90),
+    "WetCloudyNight": (60, 0, 50, 10, -90),
+    "SoftRainNight": (60, 30, 50, 30, -90),
+    "MidRainyNight": (80, 60, 60, 60, -90),
+    "HardRainNight": (100, 100, 90, 100, -90),
+}
 PERCENT = (
     "cloudiness",
     "precipitation",
@@ -40,8 +50,8 @@ PERCENT = (
 )
 
 
-def test_presets_are_carlas_plus_fog() -> None:
-    assert set(weather.PRESETS) == {*CARLA, "FoggyNoon"}
+def test_presets_are_carlas_plus_fog_and_dusk() -> None:
+    assert set(weather.PRESETS) == {*CARLA, *CARLA_NIGHTS, "FoggyNoon", "ClearDusk", "WetDusk"}
     assert all(preset.name == name for name, preset in weather.PRESETS.items())
 
 
@@ -51,6 +61,14 @@ def test_a_preset_has_carlas_numbers(name: str) -> None:
     factors = (one.cloudiness, one.precipitation, one.precipitation_deposits, one.wind_intensity)
     assert (*factors, one.sun_altitude_angle, one.fog_density) == CARLA[name]
     assert one.wetness == max(one.precipitation, one.precipitation_deposits), "CARLA leaves it 0 in rain"
+
+
+@pytest.mark.parametrize("name", CARLA_NIGHTS)
+def test_a_night_has_carlas_numbers_and_the_fog_of_the_day(name: str) -> None:
+    one = weather.load(name)
+    factors = (one.cloudiness, one.precipitation, one.precipitation_deposits, one.wind_intensity)
+    assert (*factors, one.sun_altitude_angle) == CARLA_NIGHTS[name]
+    assert one.fog_density == weather.load(name.replace("Night", "Noon")).fog_density
 
 
 @pytest.mark.parametrize("name", weather.PRESETS)
@@ -158,6 +176,8 @@ def test_wind_wetness_and_wipers_have_units() -> None:
 
 def test_a_weather_in_words() -> None:
     assert in_words(weather.load("clear")) == "clear sky, sun 45° high"
+    assert in_words(weather.load("ClearNight")) == "clear sky, night"
+    assert in_words(weather.load("ClearDusk")) == "clear sky, dusk, sun 6° below the horizon"
     assert in_words(weather.load("rain")) == (
         "overcast, sun 45° high, violent rain of 50 mm/h, wind 15 m/s, wet road with puddles, drops on the windscreen, "
         "wipers every 0.92 s"

@@ -6,6 +6,7 @@ from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.weather import ALIASES, PRESETS, Weather
 
 FOG_FROM_M = 5000.0  # a lower visibility is mentioned
+NIGHT_DEG = -12.0  # end of nautical twilight
 BREEZE_MPS = 4.0  # a stronger wind is mentioned
 
 
@@ -40,7 +41,7 @@ def factors(weather: Weather) -> tuple[tuple[str, str, str], ...]:
         "wind_intensity": f"{found['wind_mps']:g} m/s",
         "fog_density": f"visibility {_distance(found['fog_visibility_m'])}",
         "wetness": "of the road between the puddles",
-        "sun_altitude_angle": "degrees above the horizon",
+        "sun_altitude_angle": "degrees above the horizon; lamps are on below about 0",
         "sun_azimuth_angle": "degrees clockwise from the world's X axis",
         "droplets": "drops on the windscreen, as many as rain of this precipitation brings",
         "wiper_period_s": f"{found['wiper_cycles_per_min']:.0f} cycles a minute" if weather.wiper_period_s else "off",
@@ -61,7 +62,7 @@ def aliases(weather: Weather) -> list[str]:
 def in_words(weather: Weather) -> str:
     """Sky, sun, rain, fog, wind, road and windscreen in one line."""
     meaning = physical(weather)
-    parts = [_sky(weather.cloudiness), f"sun {weather.sun_altitude_angle:g}° high", *_rain(meaning["rain_mmph"])]
+    parts = [_sky(weather.cloudiness), _sun(weather.sun_altitude_angle), *_rain(meaning["rain_mmph"])]
     if (visibility_m := meaning["fog_visibility_m"]) < FOG_FROM_M:
         parts.append(f"fog, visibility {_distance(visibility_m)}")
     if meaning["wind_mps"] >= BREEZE_MPS:
@@ -83,6 +84,12 @@ def _distance(metres: float) -> str:
 
 def _sky(cloudiness: float) -> str:
     return "clear sky" if cloudiness < 15.0 else "overcast" if cloudiness >= 90.0 else "clouds"
+
+
+def _sun(altitude_deg: float) -> str:
+    if altitude_deg >= 0.0:
+        return f"sun {altitude_deg:g}° high"
+    return "night" if altitude_deg < NIGHT_DEG else f"dusk, sun {-altitude_deg:g}° below the horizon"
 
 
 def _rain(rate_mmph: float) -> list[str]:
