@@ -1,0 +1,52 @@
+"""The policies that are installed fit their manifests and follow a bend; the cloned one stops before a wall of cars."""
+
+from pathlib import Path
+
+import pytest
+
+import vpf_sim
+from vpf_sim import drivers
+from vpf_sim.drivers.learned import manifest
+from vpf_sim.evaluation.sweeps.plan import parse_seeds
+
+BEND = 'schema = 1\nbase = "{base}"\n[ego]\ns_m = 45.0\n[goal]\ns_m = 95.0\n'
+WALL = 'schema = 1\nbase = "straight"\n[limits]\ntime_s = 9.0\n' + "".join(
+    f'[[bodies]]\nkind = "truck"\ns_m = 45.0\nlane = {lane}\n' for lane in (1, 2, 3, 4)
+)
+
+
+@pytest.mark.parametrize("driver", ["learned-bc", "learned-ppo"])
+def test_it_is_small_and_says_how_it_was_trained(driver: str) -> None:
+    model = drivers.model_of(driver)
+    assert model is not None
+    assert model.stat().st_size < 2e6
+    told = manifest.load(model)
+    assert told.training is not None
+    assert len(told.training.commit) == 40
+    assert told.training.frames == pytest.approx(3600.0 * told.rate_hz * told.training.driven_h, rel=0.01)
+
+
+def test_the_cloned_policy_has_not_seen_the_seeds_of_its_evaluation() -> None:
+    training = manifest.load(drivers.model_of("learned-bc")).training
+    assert training is not None
+    assert parse_seeds(training.seeds).stop <= 900, "900 to 999 are for its development, the others for its evaluation"
+
+
+@pytest.mark.parametrize("weather", ["clear", "rain"])
+@pytest.mark.parametrize(
+    ("driver", "base"), [("learned-bc", "curve-left"), ("learned-bc", "curve-right"), ("learned-ppo", "curve-left")]
+)
+def test_it_follows_a_bend(driver: str, base: str, weather: str, tmp_path: Path) -> None:
+    path = tmp_path / "bend.toml"
+    path.write_text(BEND.format(base=base))
+    episode = vpf_sim.drive(path, driver=driver, weather=weather, seed=900)
+    assert episode.status == "success"
+    assert episode.record["max_lane_offset_m"] < 1.0
+
+
+def test_it_brakes_for_a_wall_of_lorries(tmp_path: Path) -> None:
+    path = tmp_path / "wall.toml"
+    path.write_text(WALL)
+    episode = vpf_sim.drive(path, driver="learned-bc", seed=900)
+    assert episode.status == "timeout"
+    assert episode.steps["speed_mps"].iloc[-1] < 1.0
