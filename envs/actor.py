@@ -77,6 +77,13 @@ class Actor(Vehicle):  # type: ignore[misc]
         acceleration = max(MAX_ACCELERATION_MPS2 * share, -max(FULL_BRAKING_MPS2, self._rate_mps2 or 0.0))
         self.action = {"steering": 0.0, "acceleration": -FULL_BRAKING_MPS2 if self.crashed else acceleration}
 
+    def put_at(self, s_m: float) -> None:
+        """Put it at another place along its lane; speed and manoeuvres stay."""
+        self.place = (s_m, self.place[1])
+        centre = self.road.network.centre
+        self.position = np.array(centre.position_at(*self.place))
+        self.heading = centre.heading_at(s_m) + self._turn_rad
+
     def step(self, dt: float) -> None:
         """Move for dt seconds."""
         self._waited_s += dt

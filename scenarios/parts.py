@@ -73,6 +73,9 @@ class RoadAppearance(Section):
 
     verge: Literal["grass", "sand", "snow", "paved"] = Field(default="grass", description="what lies beside the road")
     surface: Literal["asphalt", "concrete", "dark"] = Field(default="asphalt", description="what the road is made of")
+    grain: Annotated[float, Field(ge=0.0, le=2.0)] = Field(
+        default=1.0, description="strength of the fine texture of road and verge: 0.3 as on a new, smooth road"
+    )
     worn: bool = Field(default=False, description="true: 60 % of the paint's contrast is gone")
     edge_lines: Literal["both", "left", "right", "none"] = Field(
         default="both", description="which of the two solid lines are painted"
@@ -82,6 +85,7 @@ class RoadAppearance(Section):
         default=3.0, description="length of a lane line's stripes"
     )
     gap_m: Annotated[float, Field(gt=0.0, le=50.0)] = Field(default=6.0, description="between them")
+    studs: bool = Field(default=False, description="true: a round marker in the middle of each gap")
     double_lines: bool = Field(default=False, description="true: solid lines between lanes are double")
     marks: bool = Field(default=False, description="true: arrows and words in the lanes, stop lines, zebra crossings")
     bus_lane: bool = Field(default=False, description="true: the rightmost lane is darker, behind a broad line")

@@ -1,14 +1,18 @@
-"""Compare frame statistics of recorded drives with rendered frames of the same camera, rate and speed.
+"""Compare recorded drives with their rendered twins: same camera, rate, speed, traffic, and gap to the lead vehicle.
 
-python scripts/compare_with_drives.py [--drives DIR] [--only NAME ...] [--out DIR] [--json FILE] [--seeds 0 1 2]
+python scripts/compare_with_drives.py [--drives DIR] [--only NAME ...] [--seeds 0 1 2] [--perception]
+                                      [--driver NAME] [--out DIR] [--json FILE]
 
-Rendered values are means over the seeds. A ratio (rendered / real) outside 1/2 .. 2 is marked with a star. --out writes
-images side by side: real left, rendered right.
+Prints frame statistics: a ratio (rendered / real) outside 1/2 .. 2 is marked with a star. With --perception a driver
+is replayed on recording and twin, in open loop, and its reports are measured on both (docs/twins.md). Values of the
+twin are means over the seeds. --out keeps the twins as recordings for `vpf-sim replay`, with the frames of the driver
+and images side by side: real left, rendered right.
 """
 
 import argparse
 import json
 import os
+import tempfile
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -16,50 +20,58 @@ from typing import Any
 import cv2
 import numpy as np
 
+from vpf_sim.errors import InputError
 from vpf_sim.evaluation.analysis.text_table import text_table
 from vpf_sim.evaluation.processes.threads import limit_opencv
 from vpf_sim.evaluation.rendering import reference_streets
 from vpf_sim.evaluation.rendering.frame_statistics import FrameStatistics, measure, scaled_grey
-from vpf_sim.replay import readers
 from vpf_sim.replay.recording import Recording
+from vpf_sim.replay.twins import twin
+from vpf_sim.replay.twins.measures import Measures
+from vpf_sim.replay.twins.replayed import replayed
 from vpf_sim.types import Image
 
 SAMPLES = 16  # sampled frames of a drive, about
 LARGEST_RATIO = 2.0
+Rows = list[dict[str, Any]]
 
 
-def compare(name: str, recording: Recording, seeds: list[int], out: Path | None) -> list[dict[str, Any]]:
-    """The rows real, rendered and ratio of one drive."""
-    real = [frame.image for frame in recording.frames() if frame.image is not None]
-    theirs = statistics(real)
-    street = reference_streets.STREETS[name]
-    drive = street.drive(recording.camera, recording.rate_hz, float(np.median(recording.speed_mps)))
-    parts = []
-    for seed in seeds:
-        rendered = [shot.image for shot in drive.shots(street.modified_weather(), seed, len(real))]
-        parts.append(statistics(rendered))
-        if out is not None:
-            save(out, f"{name}_seed{seed}", real, rendered)
-    ours = FrameStatistics.mean(parts)
+def compare(drive: Path, seeds: list[int], driver: str | None, out: Path) -> tuple[Rows, Rows]:
+    """The rows real, rendered and ratio of a drive's frame statistics, and a row for each measure of the driver."""
+    recording = twin.recorded(drive, out / "recorded")
+    twins = [twin.rendered(recording, seed, out / f"twin-{seed}") for seed in seeds]
+    save(out, recording, twins[0])
+    ours, theirs = FrameStatistics.mean([statistics(one) for one in twins]), statistics(recording)
     ratio = {key: _starred(value) for key, value in ours.ratio(theirs).items()}
-    return [
-        {"frames": f"{name} real", **asdict(theirs)},
+    frames: Rows = [
+        {"frames": f"{drive.name} real", **asdict(theirs)},
         {"frames": "  rendered", **asdict(ours)},
         {"frames": "  ratio", **ratio},
     ]
+    if driver is None:
+        return frames, []
+    real = Measures.of(replayed(recording, driver, out / "driver"))
+    seen = Measures.mean([Measures.of(replayed(one, driver, out / f"driver-{one.name}")) for one in twins])
+    return frames, real.rows(seen)
 
 
-def statistics(images: list[Image]) -> FrameStatistics:
+def statistics(recording: Recording) -> FrameStatistics:
     """The statistics of consecutive frames, sampled about SAMPLES times."""
-    return measure([scaled_grey(image) for image in images], every=max(1, len(images) // SAMPLES))
+    greys = [scaled_grey(image) for image in images(recording)]
+    return measure(greys, every=max(1, len(greys) // SAMPLES))
 
 
-def save(out: Path, name: str, real: list[Image], rendered: list[Image]) -> None:
+def images(recording: Recording) -> list[Image]:
+    """The frames without gaps."""
+    return [frame.image for frame in recording.frames() if frame.image is not None]
+
+
+def save(out: Path, recording: Recording, rendered: Recording) -> None:
     """Write three pairs of images, real left, rendered right."""
-    out.mkdir(parents=True, exist_ok=True)
-    for k in (0, len(real) // 2, len(real) - 1):
-        pair = np.hstack([real[k], rendered[k]])
-        cv2.imwrite(str(out / f"{name}_{k:03d}.png"), cv2.cvtColor(pair, cv2.COLOR_RGB2BGR))
+    real, ours = images(recording), images(rendered)
+    for k in (0, len(ours) // 2, len(ours) - 1):
+        pair = np.hstack([real[k], ours[k]])
+        cv2.imwrite(str(out / f"pair_{k:03d}.png"), cv2.cvtColor(pair, cv2.COLOR_RGB2BGR))
 
 
 def _starred(ratio: float) -> str:
@@ -72,18 +84,35 @@ def main() -> None:
     shared = os.environ.get("VPF_SIM_SHARED", "../shared")
     parser.add_argument("--drives", type=Path, default=Path(shared) / "drives", help="folder of the drives")
     parser.add_argument("--only", nargs="*", choices=list(reference_streets.STREETS), help="drives; all by default")
-    parser.add_argument("--out", type=Path, help="folder for images side by side")
-    parser.add_argument("--json", type=Path, help="also write the table to this file")
-    parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2])
+    parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2], help="of the twins")
+    parser.add_argument("--perception", action="store_true", help="replay a driver on recording and twin")
+    parser.add_argument("--driver", default="vpf", help="that is replayed; vpf by default")
+    parser.add_argument("--out", type=Path, help="new folder for twins, images and the driver's frames")
+    parser.add_argument("--json", type=Path, help="also write the tables to this file")
     arguments = parser.parse_args()
+    if arguments.out is not None and arguments.out.exists():
+        parser.error(f"--out: expected a new folder, found {arguments.out}")
     limit_opencv()
-    rows: list[dict[str, Any]] = []
-    for name in arguments.only or reference_streets.STREETS:
-        new = compare(name, readers.read(arguments.drives / name), arguments.seeds, arguments.out)
-        print(text_table(new, header=not rows), flush=True)
-        rows.extend(new)
+    try:
+        with tempfile.TemporaryDirectory() as scratch:
+            found = compare_all(arguments, arguments.out or Path(scratch))
+    except InputError as error:
+        parser.error(str(error))
     if arguments.json:
-        arguments.json.write_text(json.dumps(rows, indent=1) + "\n")
+        arguments.json.write_text(json.dumps(found, indent=1) + "\n", "utf-8")
+
+
+def compare_all(arguments: argparse.Namespace, out: Path) -> dict[str, dict[str, Rows]]:
+    """Print the tables of all drives, and return their rows by drive."""
+    found: dict[str, dict[str, Rows]] = {}
+    for number, name in enumerate(arguments.only or reference_streets.STREETS):
+        driver = arguments.driver if arguments.perception else None
+        frames, perception = compare(arguments.drives / name, arguments.seeds, driver, out / name)
+        print(text_table(frames, header=number == 0 or arguments.perception), flush=True)
+        if perception:
+            print(f"\n{text_table(perception)}\n", flush=True)
+        found[name] = {"frames": frames, "perception": perception}
+    return found
 
 
 if __name__ == "__main__":

@@ -30,7 +30,7 @@ from vpf_sim.replay.drive_file import DriveFile
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 PAGES = ["own-drives", "gate", "cluster", "reproduce", "datasets"]
-TOO_LONG = {"results", "learning", "hard", "highway-env"}  # drive and train for a good part of an hour
+TOO_LONG = {"results", "learning", "hard", "highway-env", "twins"}  # for a good part of an hour, or need recordings
 TUTORIALS = {"start"}  # tests/test_tutorials.py
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 ELSEWHERE = ("pip ", "helm ")  # what sets up machines, and no command of ours

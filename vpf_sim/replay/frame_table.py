@@ -28,7 +28,15 @@ class FrameRow(NamedTuple):
     road_found: float = nan
     road_confidence: float = nan
     obstacle_detected: float = nan  # an obstacle in the corridor ahead
-    obstacles: float = nan
+    obstacles: float = nan  # reported objects, and how many of them
+    obstacles_standing: float = nan  # do not move
+    obstacles_in_lane: float = nan  # have their middle in the own lane, off its lines
+    obstacles_on_line: float = nan  # have it on one of the lane's two lines
+    obstacles_wide: float = nan  # are wider than a vehicle
+    nearest_in_lane_m: float = nan  # from the camera; inf without one
+    lane_m: float = nan  # middle of the own lane, + is right; nan without a lane
+    lane_width_m: float = nan
+    flow_points: float = nan
     foe_x_px: float = nan  # recorded rotation removed; nan where unusable
     foe_y_px: float = nan
     foe_confidence: float = nan

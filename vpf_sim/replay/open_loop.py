@@ -17,7 +17,15 @@ from vpf_sim.geometry import distance_m
 from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.egomotion.focus_of_expansion import LEAST_CONFIDENCE
 from vpf_sim.planning import variant
-from vpf_sim.replay import camera_fixed_points, drive_warnings, driver_error, frame_table, road_speed, scores
+from vpf_sim.replay import (
+    camera_fixed_points,
+    drive_warnings,
+    driver_error,
+    frame_table,
+    reported_objects,
+    road_speed,
+    scores,
+)
 from vpf_sim.replay.drive_video import DriveVideo
 from vpf_sim.replay.driver_error import DriverError
 from vpf_sim.replay.flow_derotation import EgoMotion, FlowDerotation
@@ -28,7 +36,7 @@ from vpf_sim.replay.open_loop_driver import Decision, OpenLoopDriver, open_loop_
 from vpf_sim.replay.recording import Recording
 from vpf_sim.replay.run_files import table_path, video_path
 from vpf_sim.replay.segments import Segment, goal_text, route, segments
-from vpf_sim.types import Command, Driver, DriverSetup, Floats, Image, Observation, VehicleModel
+from vpf_sim.types import Camera, Command, Driver, DriverSetup, Floats, Image, Observation, VehicleModel
 
 OWN_VARIANT = "robust"  # its flow is used without recorded rotation
 LEAST_SPEED_MPS = 2.0  # above this the flow must show a direction
@@ -70,7 +78,6 @@ class Accumulated:
     rows: list[FrameRow] = field(default_factory=list)
     error: DriverError | None = None  # that ended the drive
     speed_votes: list[tuple[float, Floats]] = field(default_factory=list)  # (time s, m/s)
-    lane_widths_m: list[float] = field(default_factory=list)  # with a lane
     faults: list[str] = field(default_factory=list)  # why images are missing
 
     def notes(self) -> list[str]:
@@ -117,9 +124,8 @@ def run(
         record = _record(recording, driver_name, replayed, table)
         record["notes"] += accumulated.notes()
         record["error"] = accumulated.error.entry() if accumulated.error else None
-        record["warnings"] = drive_warnings.collect(
-            recording, record, accumulated.fixed_points, accumulated.lane_widths_m
-        )
+        lane_widths_m = table.lane_width_m[np.isfinite(table.lane_width_m)].tolist()
+        record["warnings"] = drive_warnings.collect(recording, record, accumulated.fixed_points, lane_widths_m)
         timing = clock.entry(recording)
         store(record, timing)
     return record, timing
@@ -159,9 +165,7 @@ def _rows(
                 decision = driver.decide(_observation(recording, k, image, taken_s, segment), _interval(recording, k))
             clock.driver_ms.append(1e3 * (thread_time() - began))
             last = _hold_if_uncertain(decision, last, row.speed_mps)
-            row = row._replace(image=1.0, **_perception_columns(last))
-            if decision.road_found and decision.plan is not None:
-                accumulated.lane_widths_m.append(decision.plan.perception.road.lane_width_m)
+            row = row._replace(image=1.0, **_perception_columns(last, recording.camera))
             if image.size:
                 grey_image = grey(image)
                 row = row._replace(ttc_s=lead.ttc_s(grey_image, row.lead_gap_m))
@@ -260,7 +264,7 @@ def _recorded(recording: Recording, k: int, segment: int) -> FrameRow:
     )
 
 
-def _perception_columns(decision: Decision) -> dict[str, float]:
+def _perception_columns(decision: Decision, camera: Camera) -> dict[str, float]:
     """The columns of a driver's perception."""
     if decision.plan is None:
         return {}
@@ -270,7 +274,9 @@ def _perception_columns(decision: Decision) -> dict[str, float]:
         "road_found": nan if decision.road_found is None else float(decision.road_found),
         "road_confidence": perceived.road.lane_confidence,
         "obstacle_detected": float(has_obstacle_in_corridor(perceived)),
-        "obstacles": len(perceived.obstacles),
+        **reported_objects.columns(perceived, camera),
+        "lane_m": perceived.road.lane_m if decision.road_found else nan,
+        "lane_width_m": perceived.road.lane_width_m if decision.road_found else nan,
         "foe_x_px": perceived.expansion.x_px if usable else nan,
         "foe_y_px": perceived.expansion.y_px if usable else nan,
         "foe_confidence": perceived.expansion.confidence,

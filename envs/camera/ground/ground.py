@@ -49,7 +49,9 @@ class Ground:
         self._patches = []
         for level, gain in zip(self._levels, even_gains(camera), strict=True):
             surface = Surface(batches, level.near_m / detail(camera), _fineness(level))
-            self._patches.append(patch_of(camera, level, partial(_painted, surface, Grain(level, seed), gain)))
+            self._patches.append(
+                patch_of(camera, level, partial(_painted, surface, Grain(level, seed), gain, look.grain))
+            )
         self._table = ground_table(light, wetness, ramp(look))
         self._values = np.empty((camera.height_px - self._top, camera.width_px), np.uint8)
         faded = max((len(level.weights) for level in self._levels), default=0)
@@ -104,17 +106,17 @@ def _fade(rows: Image, over: Image, weights: Image) -> None:
     cv2.add(under, cv2.multiply(over, weights, scale=1 / 255), rows)
 
 
-def _painted(surface: Surface, grain: Grain, gain: Floats, raster: Raster) -> Image:
+def _painted(surface: Surface, grain: Grain, gain: Floats, strength: float, raster: Raster) -> Image:
     """(rows, columns) palette values of a raster, with their grain."""
     smooth = surface.paint(raster)
     shortest, longest = GRAINY_M
-    shown = np.clip((longest - raster.lengths()) / (longest - shortest), 0.0, 1.0).astype(np.float32)
+    shown = strength * np.clip((longest - raster.lengths()) / (longest - shortest), 0.0, 1.0).astype(np.float32)
     steps = np.subtract(grain.draw(raster), 128, dtype=np.float32)
     steps *= gain * shown
     cv2.multiply(steps, cv2.LUT(smooth, grain_strength()), steps)
     blotches = grain.blotches(raster)
     places = cv2.resize(smooth, blotches.shape[::-1], interpolation=cv2.INTER_NEAREST)
-    strength = cv2.LUT(places, blotch_strength()) * shown
-    blotches = np.rint((blotches - np.float32(128.0)) * strength + np.float32(128.0)).astype(np.uint8)
+    contrast = cv2.LUT(places, blotch_strength()) * shown
+    blotches = np.rint((blotches - np.float32(128.0)) * contrast + np.float32(128.0)).astype(np.uint8)
     smooth = np.asarray(cv2.addWeighted(smooth, 1.0, cv2.resize(blotches, smooth.shape[::-1]), 1.0, -128.0), np.uint8)
     return np.asarray(cv2.add(smooth, steps, dtype=cv2.CV_8U), np.uint8)

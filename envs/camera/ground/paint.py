@@ -33,6 +33,7 @@ FADED = 8  # typical loss of a stripe's brightness, palette values
 PAVED_SHOULDER_M = 0.5
 GRAVEL_SHOULDER_M = 1.3
 RAGGED_STEP_M, RAGGED_RANGE_M = 0.7, 28.0
+STUD_WIDTH_M, STUD_M = 0.12, 0.24  # of a marker between stripes; its length shows its height, as seen from a car
 CHUNK, CHUNK_M = 10, 20.0  # most pieces in one polygon, and their length
 
 
@@ -143,10 +144,21 @@ def _ribbon(line: Line, width_m: float) -> tuple[Floats, Floats]:
 
 
 def _stripe_polygons(line: Line, look: RoadAppearance) -> Floats:
-    """(n, 6, 2) one polygon per stripe: up its left edge, down its right edge."""
+    """(n, 6, 2) one polygon per stripe or stud: up its left edge, down its right edge."""
     span = stripes(line, look.stripe_m, look.gap_m)
+    painted = _pieces(line, span, LINE_WIDTH_M)
+    if not look.studs:
+        return painted
+    middle = span[:, 1] + 0.5 * look.gap_m
+    middle = middle[middle + STUD_M < line.s_m[-1]]
+    studs = np.stack([middle - 0.5 * STUD_M, middle + 0.5 * STUD_M], axis=1)
+    return np.concatenate([painted, _pieces(line, studs, STUD_WIDTH_M)])
+
+
+def _pieces(line: Line, span: Floats, width_m: float) -> Floats:
+    """(n, 6, 2) one polygon per span (n, 2) of a line."""
     s = np.stack([span[:, 0], span.mean(axis=1), span[:, 1]], axis=1)
-    left, right = (interpolated(s, line.s_m, edge) for edge in _ribbon(line, LINE_WIDTH_M))
+    left, right = (interpolated(s, line.s_m, edge) for edge in _ribbon(line, width_m))
     return np.concatenate([left, right[:, ::-1]], axis=1)
 
 

@@ -13,6 +13,7 @@ from vpf_sim.envs.camera.layout import lane_shapes, lines, stripes
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.weather import PRESETS
 from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.scenarios.parts import RoadAppearance
 from vpf_sim.types import Floats, Image
 
 ROAD = """
@@ -121,6 +122,31 @@ def test_stripes_have_their_lengths() -> None:
     spans = stripes(line, 6.0, 12.0)
     assert np.allclose(spans[:, 1] - spans[:, 0], 6.0)
     assert np.allclose(np.diff(spans[:, 0]), 18.0)
+
+
+def test_studs_lie_in_the_middle_of_the_gaps() -> None:
+    env = FourLane("straight", frames=False)
+    env.reset(seed=0)
+    shapes = lane_shapes(env.road)
+    plain, studded = (painted(shapes, 0, RoadAppearance(studs=studs)) for studs in (False, True))
+    bright = [
+        {tuple(place) for batch in one for place in batch.centres_m[batch.values > 190]} for one in (plain, studded)
+    ]
+    studs = np.array(sorted(bright[1] - bright[0]))
+    middles = np.concatenate([stripes(line, 3.0, 6.0)[:, 1] + 3.0 for line in lines(shapes) if line.striped])
+    middles = middles[middles < shapes[0].s_m[-1]]
+    assert len(studs) == len(middles) > 100
+    along, _ = env.road.network.centre.local(studs)
+    assert np.sort(along) == pytest.approx(np.sort(middles), abs=0.01)
+
+
+def test_grain_scales_the_texture_of_the_road() -> None:
+    """Without grain only the paint and the road's wear are left."""
+    rough = {
+        grain: frame(f"grain = {grain}", "clear")[330:470, 250:390].std(axis=(0, 1)).mean() for grain in (0.0, 0.5, 1.0)
+    }
+    assert rough[0.0] < 0.5 * rough[1.0]
+    assert rough[0.0] < rough[0.5] < rough[1.0]
 
 
 def test_yellow_lines_are_yellow_and_asphalt_stays_grey() -> None:

@@ -1,12 +1,15 @@
 """Scripted drives on a known path."""
 
+from dataclasses import replace
+
+import cv2
 import numpy as np
 import pytest
 
 from vpf_sim import scenarios
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.envs.road import centre_line
-from vpf_sim.evaluation.rendering.scripted import Path, ScriptedDrive, smooth_step
+from vpf_sim.evaluation.rendering.scripted import Path, ScriptedDrive, TimedPath, smooth_step
 
 
 def weave(s_m: float) -> float:
@@ -39,6 +42,26 @@ def test_every_weather_shows_the_same_poses() -> None:
 def test_a_stationary_drive_stays() -> None:
     poses = [shot.pose for shot in drive(0.0).shots(weathers.load("ClearNoon"), 1, 3)]
     assert np.array_equal(poses[0], poses[2])
+
+
+def test_a_timed_path_passes_its_places_and_keeps_its_last_speed() -> None:
+    path = TimedPath(np.array([0.0, 1.0, 2.0]), np.array([10.0, 14.0, 15.0]), weave)
+    assert [path.s_m(time_s) for time_s in (0.0, 0.5, 1.0, 2.0, 4.0)] == pytest.approx([10.0, 12.0, 14.0, 15.0, 17.0])
+
+
+def test_a_pitching_body_moves_the_horizon_and_not_the_poses() -> None:
+    """The frames are those of a level body, moved up and down by f tan(pitch)."""
+    level, pitching = (
+        list(replace(drive(), pitch_deg=degrees).shots(weathers.load("ClearNoon"), 1, 12)) for degrees in (0.0, 0.5)
+    )
+    assert all(np.array_equal(one.pose, other.pose) for one, other in zip(level, pitching, strict=True))
+    moved_px = []
+    for one, other in zip(level, pitching, strict=True):
+        before, after = (cv2.cvtColor(shot.image, cv2.COLOR_RGB2GRAY).astype(float) for shot in (one, other))
+        moved_px.append(cv2.phaseCorrelate(before, after, cv2.createHanningWindow(before.shape[::-1], cv2.CV_64F))[0])
+    across, down = np.abs(moved_px).max(axis=0)
+    assert across < 0.3
+    assert 0.5 < down < 4.0 * 320.0 * np.radians(0.5)
 
 
 def test_the_smooth_step_goes_from_0_to_1() -> None:

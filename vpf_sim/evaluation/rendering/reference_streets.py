@@ -1,63 +1,11 @@
-"""Simulated streets that match recorded drives, rendered with the drive's camera and speed."""
+"""Streets that match the recorded drives, by the drive's name."""
 
-from dataclasses import dataclass, field, replace
-from typing import Any
+from math import atan2
 
-from vpf_sim.envs.camera import Rig, Weather
-from vpf_sim.envs.camera import weather as weathers
-from vpf_sim.evaluation.rendering.scripted import Path, ScriptedDrive
-from vpf_sim.scenarios import Scenario
+from vpf_sim.evaluation.rendering.street import Street, street_object
 from vpf_sim.types import Camera
 
-LENGTH_M = 600.0
-START_M = 60.0
-
-
-@dataclass(frozen=True, slots=True)
-class Street:
-    """A straight road with obstacles and traffic; their s_m counts from the start of the drive."""
-
-    lanes: int
-    lane: int  # of the camera, counted from the right
-    weather: str
-    objects: tuple[dict[str, Any], ...]
-    changes: dict[str, float] = field(default_factory=dict)  # to the weather's factors
-    lane_width_m: float = 3.5
-    blur_px: float = 0.0  # of the recording, estimated from the edges of its markings
-    noise_sd: float | None = None  # grey levels, estimated from the recording's sky
-
-    def scenario(self) -> Scenario:
-        """The road with its obstacles and traffic."""
-        return Scenario.model_validate(
-            {
-                "schema": 1,
-                "road": {
-                    "lanes": self.lanes,
-                    "lane_width_m": self.lane_width_m,
-                    "segments": [{"kind": "line", "length_m": LENGTH_M}],
-                },
-                "goal": {"s_m": LENGTH_M - 10.0},
-                "bodies": [{**street_object, "s_m": START_M + street_object["s_m"]} for street_object in self.objects],
-            }
-        )
-
-    def modified_weather(self) -> Weather:
-        """The weather with its changes."""
-        return weathers.load(self.weather).model_copy(update=self.changes)
-
-    def drive(self, camera: Camera, rate_hz: float, speed_mps: float) -> ScriptedDrive:
-        """A drive along the centre of the camera's lane; the width is rounded down to an even number."""
-        scenario = self.scenario()
-        camera = replace(camera, width_px=camera.width_px // 2 * 2)
-        rig = Rig(camera, noise_sd=self.noise_sd, blur_px=self.blur_px)
-        offset_m = scenario.road.lane_offset_m(self.lane)
-        return ScriptedDrive(scenario, Path(START_M, speed_mps, lambda _: offset_m), rig, rate_hz)
-
-
-def street_object(kind: str, s_m: float, lane: int, lateral_m: float = 0.0, speed_mps: float = 0.0) -> dict[str, Any]:
-    """One obstacle or vehicle of a street."""
-    return {"kind": kind, "s_m": s_m, "lane": lane, "lateral_m": lateral_m, "speed_mps": speed_mps}
-
+HIGHWAY_MPS = 25.3  # a stripe and a gap, 12.19 m, in 12.05 frames of 1/25 s
 
 STREETS = {
     # A street with cars parked on the right and a few on the left.
@@ -72,36 +20,55 @@ STREETS = {
             street_object("pedestrian", 28.0, 1, 1.2),
         ),
     ),
-    # A queue before a traffic light: a lead car, trucks on both sides.
+    # A queue before a traffic light: a lead car, a tanker on the right, a lorry on the left, the sun on the right.
+    # The noise is that of its flattest bright surfaces.
     "kitti_raw_leadcar": Street(
         lanes=4,
         lane=2,
+        lateral_m=-0.3,
+        heading_deg=145.0,
         weather="ClearNoon",
+        look={"stripe_m": 6.0, "gap_m": 3.0, "grain": 2.0},
+        noise_sd=2.5,
+        exposure_ev=0.7,
+        lead=0,
         objects=(
             street_object("car", 12.5, 2, speed_mps=1.0),
-            street_object("truck", 14.0, 1),
-            street_object("truck", 20.0, 3),
-            street_object("car", 5.0, 3, -0.5),
+            street_object("van", 6.4, 1, speed_mps=2.05),  # the tanker's tractor, and its tank
+            street_object("truck", -1.5, 1, speed_mps=2.05),
+            street_object("van", 14.5, 3),
+            street_object("car", 5.6, 3, -0.2),
             street_object("car", 26.0, 2),
             street_object("car", 24.0, 1),
             street_object("van", 35.0, 2),
             street_object("car", 32.0, 3),
         ),
     ),
+    # A motorway of California: the camera in the right lane, faster traffic on the left, dry grass beside it.
     "carnd_highway": Street(
         lanes=4,
         lane=1,
+        lateral_m=-0.1,
         weather="ClearNoon",
         lane_width_m=3.66,
+        look={"verge": "sand", "surface": "dark", "grain": 0.35, "stripe_m": 3.05, "gap_m": 9.14, "studs": True},
+        pitch_deg=0.08,
         blur_px=1.0,
         noise_sd=0.5,
+        # From the vanishing point, and from the distance between the lines and between the stripes.
+        camera=Camera(
+            960, 540, 925.0, 925.0, 479.5, 269.5, height_m=1.24, forward_m=0.0, pitch_rad=-atan2(34.5, 925.0)
+        ),
+        speed_mps=HIGHWAY_MPS,
         objects=(
-            street_object("van", 28.0, 3, speed_mps=25.3),
-            street_object("car", 70.0, 2, speed_mps=25.3),
-            street_object("van", 60.0, 3, speed_mps=25.3),
-            street_object("car", 80.0, 3, speed_mps=25.3),
-            street_object("car", 120.0, 1, speed_mps=25.3),
-            street_object("truck", 160.0, 2, speed_mps=25.3),
+            street_object("van", 21.0, 4, speed_mps=HIGHWAY_MPS + 4.0),
+            street_object("car", 6.9, 3, 0.3, speed_mps=HIGHWAY_MPS + 2.7),
+            street_object("car", 5.7, 4, 0.5, speed_mps=HIGHWAY_MPS + 3.0),
+            street_object("car", 62.5, 2, speed_mps=HIGHWAY_MPS + 1.6),
+            street_object("car", 67.5, 3, speed_mps=HIGHWAY_MPS + 2.0),
+            street_object("van", 62.5, 4, speed_mps=HIGHWAY_MPS + 2.0),
+            street_object("car", 115.0, 1, speed_mps=HIGHWAY_MPS),
+            street_object("truck", 160.0, 2, speed_mps=HIGHWAY_MPS),
         ),
     ),
     "radiate_fog": Street(
