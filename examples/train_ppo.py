@@ -8,7 +8,9 @@ It needs `pip install 'vpf_sim[learn]'`. PPO is Stable-Baselines3's; the throttl
 """
 
 import argparse
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -28,6 +30,7 @@ from torch import Tensor, nn
 from behaviour_cloning.export import commit, export
 from vpf_sim.drivers.learned.manifest import Manifest, PictureInput, StateInput, Training
 from vpf_sim.envs.learning import FourLanePixels, RewardWeights
+from vpf_sim.evaluation.sweeps.plan import parse_seeds
 from vpf_sim.policy_state import SPEED_SCALE_MPS, STATE
 
 SCENARIOS, WEATHERS = ("straight", "curve-left"), ("clear", "rain")
@@ -38,7 +41,7 @@ REWARD = RewardWeights(progress=0.1, lane=0.2, comfort=0.02)
 MANIFEST = Manifest(
     schema=1,
     rate_hz=60.0 / REPEAT,
-    summary="steers by PPO, and holds its speed",
+    summary="a small network that learned to keep its lane by reward",
     image=PictureInput(width_px=WIDTH_PX, height_px=HEIGHT_PX, deviation=1.0),
     state=StateInput(values=STATE),  # type: ignore[arg-type]
 )
@@ -47,9 +50,9 @@ MANIFEST = Manifest(
 class LaneKeeping(gymnasium.Wrapper[Any, Any, Any, Any]):
     """The environment with the steering as the only action, and pictures drawn `shrink` times larger than observed."""
 
-    def __init__(self, shrink: int) -> None:
+    def __init__(self, shrink: int, scenarios: Sequence[str] = SCENARIOS, weathers: Sequence[str] = WEATHERS) -> None:
         size = (shrink * WIDTH_PX, shrink * HEIGHT_PX)
-        super().__init__(FourLanePixels(SCENARIOS, WEATHERS, size, action_repeat=REPEAT, state=True, reward=REWARD))
+        super().__init__(FourLanePixels(scenarios, weathers, size, action_repeat=REPEAT, state=True, reward=REWARD))
         image = spaces.Box(0, 255, (HEIGHT_PX, WIDTH_PX, 1), np.uint8)
         self.observation_space = spaces.Dict({"image": image, "state": self.unwrapped.observation_space["state"]})
         self.action_space = spaces.Box(-1.0, 1.0, (1,), np.float32)
@@ -130,8 +133,26 @@ def main(options: argparse.Namespace) -> None:
     learned.set_logger(configure(str(options.out), ["stdout", "csv"]))  # progress.csv: the learning curve
     learned.learn(options.steps)
     worlds.close()
+    learned.save(options.out / "policy.zip")  # to train on
     manifest = recorded(options, made_from, learned.num_timesteps, (perf_counter() - began_s) / 3600.0)
     export(Command(learned.policy), manifest, options.out / "policy.onnx")
+    for scenario, weather in product(SCENARIOS, WEATHERS):
+        count = arrivals(LaneKeeping(options.shrink, (scenario,), (weather,)), learned, parse_seeds(options.test_seeds))
+        print(f"{scenario}, {weather}, seeds {options.test_seeds}: {count} arrive without noise")
+
+
+def arrivals(world: LaneKeeping, learned: PPO, seeds: Iterable[int]) -> int:
+    """How many drives arrive, one for each seed, without the noise of training."""
+    count = 0
+    for seed in seeds:
+        observed, info = world.reset(seed=seed)
+        over = False
+        while not over:
+            action, _ = learned.predict(observed, deterministic=True)
+            observed, _, terminated, truncated, info = world.step(action)
+            over = terminated or truncated
+        count += info["is_success"]
+    return count
 
 
 def recorded(options: argparse.Namespace, made_from: str, decisions: int, wall_h: float) -> Manifest:
@@ -156,5 +177,6 @@ if __name__ == "__main__":
     parser.add_argument("--steps-of-an-update", type=int, default=1024, help="of each process")
     parser.add_argument("--shrink", type=int, default=1, help="draw pictures so many times larger, and average them")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--test-seeds", default="900:905", help="of the drives after training")
     parser.add_argument("--workers", type=int, default=2, help="processes that drive")
     main(parser.parse_args())

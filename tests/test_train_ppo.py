@@ -15,7 +15,7 @@ SPEED_MPS = 5.55
 
 def test_a_training_in_small_writes_a_policy_that_drives(tmp_path: Path) -> None:
     pytest.importorskip("stable_baselines3", reason="needs the extra learn")
-    tiny = ["--steps", "64", "--steps-of-an-update", "32", "--workers", "1"]
+    tiny = ["--steps", "64", "--steps-of-an-update", "32", "--workers", "1", "--test-seeds", "0:1"]
     command = [sys.executable, "-W", "ignore", SCRIPT, "out", *tiny]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

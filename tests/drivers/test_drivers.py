@@ -66,6 +66,7 @@ def test_the_registry_and_its_descriptions() -> None:
         "lane-lines",
         "dominant-plane",
         "learned-bc",
+        "learned-ppo",
         "neutral",
     ]
     told = {row.name: row.privileged for row in drivers.describe() if row.privileged != "none"}
@@ -76,7 +77,7 @@ def test_the_registry_and_its_descriptions() -> None:
 
 def test_only_vision_drivers_look_at_the_frames(module: str) -> None:
     seeing = [name for name in drivers.names() if drivers.uses_images(drivers.create(name))]
-    assert seeing == ["vpf", "vpf-paper", "vpf-literal", "lane-lines", "dominant-plane", "learned-bc"]
+    assert seeing == ["vpf", "vpf-paper", "vpf-literal", "lane-lines", "dominant-plane", "learned-bc", "learned-ppo"]
     assert drivers.uses_images(drivers.create(f"{module}:Own")), "who does not say is shown them"
 
 

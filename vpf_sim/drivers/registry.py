@@ -16,7 +16,11 @@ from vpf_sim.types import Driver, Privilege
 
 VARIANT_PREFIX = "vpf@"  # before the name or file of a variant
 MODEL_PREFIX = "onnx:"  # before the file of a learned policy
-LEARNED = {"learned-bc": Path(__file__).parent / "learned" / "learned_bc.onnx"}  # the policies that are installed
+_INSTALLED = Path(__file__).parent / "learned"
+LEARNED = {  # the policies that are installed
+    "learned-bc": _INSTALLED / "learned_bc.onnx",
+    "learned-ppo": _INSTALLED / "learned_ppo.onnx",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +87,9 @@ _REGISTRY: dict[str, _Entry] = {
     ),
     "learned-bc": _Entry(
         lambda: _learned(LEARNED["learned-bc"]), "none", "a small network that was cloned from drivers with privilege"
+    ),
+    "learned-ppo": _Entry(
+        lambda: _learned(LEARNED["learned-ppo"]), "none", "a small network that learned to keep its lane by reward"
     ),
     "neutral": _Entry(NeutralDriver, "none", "no throttle and no steering"),
 }

@@ -14,12 +14,21 @@ from vpf_sim.types import Camera, Floats
 CAMERA = Camera()
 
 
-def motion_of(poses: list[Floats], objects: list[Any] | None = None) -> TrueMotion:
-    """True motion after frames at these poses; `objects` has the pose of the only object in each frame."""
+class Body:
+    """An object that is moved from frame to frame."""
+
+    def __init__(self) -> None:
+        self.position, self.heading = (0.0, 0.0), 0.0
+
+
+def motion_of(poses: list[Floats], *objects: dict[Body, tuple[float, float, float]]) -> TrueMotion:
+    """True motion after frames at these poses; `objects` has those of each frame with their poses, in order."""
     motion = TrueMotion(CAMERA, len(poses) - 1)
     for k, pose in enumerate(poses):
-        obj = [] if objects is None else [SimpleNamespace(position=objects[k][:2], heading=objects[k][2])]
-        renderer: Any = SimpleNamespace(objects=obj)
+        here = objects[k] if objects else {}
+        for body, place in here.items():
+            body.position, body.heading = place[:2], place[2]
+        renderer: Any = SimpleNamespace(objects=list(here))
         motion.add(Shot(k, np.empty((0, 0, 3), np.uint8), pose, renderer))
     return motion
 
@@ -60,10 +69,25 @@ def test_the_sky_moves_with_the_turn_alone() -> None:
 
 def test_a_leader_that_keeps_its_distance_does_not_move() -> None:
     poses = [np.array([k, 0.0, 0.0], float) for k in range(2)]
-    motion = motion_of(poses, [(12.0 + k, 0.0, 0.0) for k in range(2)])
+    leader = Body()
+    motion = motion_of(poses, *({leader: (12.0 + k, 0.0, 0.0)} for k in range(2)))
     still = np.zeros((1, 2))
     assert motion.errors_px(np.array([[350.0, 250.0]]), still, np.array([1]), wall(10.0, 1))[0] < 1e-9
     assert motion.errors_px(np.array([[600.0, 400.0]]), still, np.array([1]), wall(10.0, -1))[0] > 5.0
+
+
+def test_objects_that_come_and_go_do_not_change_those_that_stay() -> None:
+    poses = [np.array([k, 0.0, 0.0], float) for k in range(2)]
+    leader, gone, new = Body(), Body(), Body()
+    before, after = (
+        {gone: (50.0, 9.0, 1.0), leader: (12.0, 0.0, 0.0)},
+        {leader: (13.0, 0.0, 0.0), new: (40.0, 0.0, 0.0)},
+    )
+    motion = motion_of(poses, before, after)
+    point, one = np.array([[350.0, 250.0]]), np.array([1])
+    assert motion.errors_px(point, np.zeros((1, 2)), one, wall(10.0, 1))[0] < 1e-9
+    expanded = (point - (319.5, 239.5)) * 1.0 / (10.0 + 1.0)  # who was not there yet counts as standing
+    assert motion.errors_px(point, expanded, one, wall(10.0, 2))[0] < 1e-9
 
 
 def test_a_moved_point_keeps_its_position_on_the_object() -> None:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from highway_env.vehicle.objects import RoadObject
 from numpy.typing import NDArray
 
 from vpf_sim.envs.camera import Renderer
@@ -32,7 +33,7 @@ class Instant:
     """Poses of the camera and the objects at one frame."""
 
     view: View
-    objects: list[Floats]  # (3,) x m, y m, heading rad of each
+    poses: dict[RoadObject, Floats]  # (3,) x m, y m, heading rad, in the order of the truth's instances
 
 
 class TrueMotion:
@@ -48,8 +49,8 @@ class TrueMotion:
 
     def add(self, shot: Shot) -> None:
         """Add a frame; call for every frame in order."""
-        objects = [np.array([*obj.position, obj.heading], float) for obj in shot.renderer.objects]
-        self._instants.appendleft(Instant(View.at(self._camera, shot.pose[:2], shot.pose[2]), objects))
+        poses = {obj: np.array([*obj.position, obj.heading], float) for obj in shot.renderer.objects}
+        self._instants.appendleft(Instant(View.at(self._camera, shot.pose[:2], shot.pose[2]), poses))
 
     def errors_px(self, points_px: Floats, displacement_px: Floats, frames: NDArray[np.int64], truth: Truth) -> Floats:
         """(N,) px, errors of displacements (N, 2) of points (N, 2) over `frames` (N,).
@@ -94,9 +95,11 @@ class TrueMotion:
         direction = ray.T @ now.view.axes
         endless = np.isinf(depth)
         world = now.view.centre + direction * np.where(endless, 0.0, depth)[:, None]
-        for obj in np.unique(instance[instance > 0]):
-            moved = instance == obj
-            world[moved] = moved_points(world[moved], now.objects[obj - 1], then.objects[obj - 1])
+        objects = list(now.poses)
+        for number in np.unique(instance[instance > 0]).tolist():
+            moved, obj = instance == number, objects[number - 1]
+            # who was not there yet counts as standing
+            world[moved] = moved_points(world[moved], now.poses[obj], then.poses.get(obj, now.poses[obj]))
         seen: Floats = np.where(endless[:, None], direction @ then.view.axes.T, then.view.camera_axes(world))
         return seen, depth
 
