@@ -80,7 +80,7 @@ def test_the_workflow_of_the_project_uses_inputs_that_exist() -> None:
 
 
 @POSIX_ONLY
-@pytest.mark.parametrize(("driver", "check"), [("pid", 0), ("neutral", 1)])
+@pytest.mark.parametrize(("driver", "check"), [pytest.param("pid", 0, marks=pytest.mark.slow), ("neutral", 1)])
 def test_the_steps_run_and_fail_for_a_driver_that_leaves_its_lane(driver: str, check: int, tmp_path: Path) -> None:
     inputs = {"driver": driver, "scenarios": "bend.toml", "weathers": "clear", "rules": "rules.toml"}
     assert run_action(tmp_path, **inputs) == [0, check, 0]

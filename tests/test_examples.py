@@ -15,6 +15,7 @@ EXAMPLES = Path(__file__).parents[1] / "examples"
 TRAINING = {"train_bc", "train_ppo"}  # take minutes and the extra `learn`: tests/test_behaviour_cloning.py
 SCRIPTS = sorted(path for path in EXAMPLES.glob("*.py") if path.stem not in TRAINING)
 NOTEBOOKS = sorted(EXAMPLES.glob("*.ipynb"))
+QUICK = {"drive_from_python", "gym_loop_with_wrappers"}  # the others run with the slow tests
 MOST_LINES, MOST_BYTES = 60, 300_000
 
 
@@ -44,7 +45,10 @@ def test_there_are_six_scripts_and_two_notebooks() -> None:
     assert (len(SCRIPTS), len(NOTEBOOKS)) == (6, 2)
 
 
-@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "script",
+    [pytest.param(one, id=one.stem, marks=() if one.stem in QUICK else pytest.mark.slow) for one in SCRIPTS],
+)
 def test_an_example_prints_what_it_claims_and_leaves_nothing_behind(script: Path, tmp_path: Path) -> None:
     environment = {**os.environ, "MPLBACKEND": "agg"}
     command = [sys.executable, "-W", "ignore", script]

@@ -61,7 +61,10 @@ def run(words: list[str], folder: Path) -> str:
     return done.stdout
 
 
-@pytest.mark.parametrize("page", TUTORIALS, ids=lambda path: path.stem)
+SLOW = [pytest.param(page, id=page.stem, marks=pytest.mark.slow) for page in TUTORIALS[1:]]
+
+
+@pytest.mark.parametrize("page", [pytest.param(TUTORIALS[0], id="start"), *SLOW])
 def test_a_tutorial_runs_from_top_to_bottom_as_printed(page: Path, tmp_path: Path) -> None:
     printed = ""
     for block in blocks(page):

@@ -192,6 +192,7 @@ def test_wrong_use_is_one_sentence(driver: Any, options: dict[str, Any], sentenc
     assert list(short.parent.iterdir()) == [short], "nothing is left behind"
 
 
+@pytest.mark.slow
 def test_a_module_loaded_anew_is_driven_as_it_is_now(short: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """As in a notebook, where a driver's module is edited between two sweeps."""
     monkeypatch.syspath_prepend(short.parent)

@@ -1,5 +1,7 @@
 """The driver by the dominant plane: which points are on it, where it steers, that it stops and passes."""
 
+from pathlib import Path
+
 import cv2
 import numpy as np
 import pytest
@@ -137,7 +139,9 @@ def test_a_camera_that_does_not_show_the_road_is_no_fault(camera: Camera) -> Non
         assert (command.throttle, command.steering) == (0.0, 0.0), "straight to the goal"
 
 
-def test_it_arrives_on_a_straight_road() -> None:
-    found = episode.run("straight", "clear", "dominant-plane", 0)
+def test_it_arrives_on_a_straight_road(tmp_path: Path) -> None:
+    path = tmp_path / "short.toml"
+    path.write_text('schema = 1\nbase = "straight"\n[goal]\ns_m = 65.0\n')
+    found = episode.run(str(path), "clear", "dominant-plane", 0)
     assert found.record["status"] == "success"
     assert found.record["max_lane_offset_m"] < 1.0

@@ -1,5 +1,7 @@
 """The driver by lane lines: where it finds the lane, when it brakes, that it arrives."""
 
+from pathlib import Path
+
 import cv2
 import numpy as np
 import pytest
@@ -63,7 +65,9 @@ def test_it_brakes_for_a_wall_that_comes_near(ttc_s: float, alarms: bool) -> Non
     assert any(brake.alarm(image, k / 20.0) for k, image in enumerate(shown)) == alarms
 
 
-def test_it_arrives_in_a_bend() -> None:
-    found = episode.run("curve-left", "clear", "lane-lines", 0)
+def test_it_arrives_in_a_bend(tmp_path: Path) -> None:
+    path = tmp_path / "bend.toml"
+    path.write_text('schema = 1\nbase = "curve-left"\n[ego]\ns_m = 45.0\n[goal]\ns_m = 130.0\n')
+    found = episode.run(str(path), "clear", "lane-lines", 0)
     assert found.record["status"] == "success"
     assert found.record["max_lane_offset_m"] < 0.5
