@@ -8,7 +8,7 @@ import numpy as np
 from vpf_sim.envs.camera.ground.levels import Level
 from vpf_sim.envs.camera.ground.paint import Batch
 from vpf_sim.envs.camera.ground.patches import Patch, patch_of
-from vpf_sim.envs.camera.ground.surface import Surface
+from vpf_sim.envs.camera.ground.surface import Polygons, Surface
 from vpf_sim.types import Camera, Floats, Image
 
 LIT, SHADED = 0, 255  # of the mask
@@ -31,8 +31,8 @@ def shadow_patches(
     camera: Camera, levels: list[Level], outlines: list[Floats], fine: Callable[[Level], tuple[int, int]]
 ) -> list[Patch]:
     """A patch per level with the mask of the shadows, 0 in the sun and 255 in full shadow."""
-    batches = shadow_batches(outlines)
-    surfaces = [Surface(batches, level.near_m, fine(level), outside=LIT) for level in levels]
+    polygons = Polygons(shadow_batches(outlines))
+    surfaces = [Surface(polygons, level.near_m, fine(level), outside=LIT) for level in levels]
     return [patch_of(camera, level, surface.paint) for level, surface in zip(levels, surfaces, strict=True)]
 
 

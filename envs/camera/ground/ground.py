@@ -15,7 +15,7 @@ from vpf_sim.envs.camera.ground.paint import GRASS, painted
 from vpf_sim.envs.camera.ground.palette import blotch_strength, grain_strength, ground_table, lamp_table
 from vpf_sim.envs.camera.ground.patches import Patch, patch_of, sample
 from vpf_sim.envs.camera.ground.raster import Raster
-from vpf_sim.envs.camera.ground.surface import Surface
+from vpf_sim.envs.camera.ground.surface import Polygons, Surface
 from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
@@ -51,10 +51,10 @@ class Ground:
         look = RoadAppearance() if appearance is None else appearance
         self._top = ground_top(camera)
         self._levels = levels(camera)
-        batches = painted(shapes, seed, look)
+        polygons = Polygons(painted(shapes, seed, look))
         self._patches = []
         for level, gain in zip(self._levels, even_gains(camera), strict=True):
-            surface = Surface(batches, level.near_m / detail(camera), _fineness(level))
+            surface = Surface(polygons, level.near_m / detail(camera), _fineness(level))
             self._patches.append(
                 patch_of(camera, level, partial(_painted, surface, Grain(level, seed), gain, look.grain))
             )

@@ -3,9 +3,8 @@
 They are static, so they are cut into polygons once per road; the rest is computed for polygons near the camera.
 """
 
-from dataclasses import dataclass, replace
-from functools import cached_property
-from math import inf, sqrt
+from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +36,7 @@ STUD_WIDTH_M, STUD_M = 0.12, 0.24  # of a marker between stripes; its length sho
 CHUNK, CHUNK_M = 10, 20.0  # most pieces in one polygon, and their length
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Batch:
     """Polygons with one vertex count; those of a strip are consecutive and do not overlap."""
 
@@ -46,35 +45,6 @@ class Batch:
     strips: NDArray[np.int64]  # (n,) index of the strip
     thin: bool  # lines, which need sub-pixel width
     range_m: float = inf  # not shown on levels that begin beyond
-
-    def near(self, place: Floats, reach_m: float) -> "Batch":
-        """The polygons within `reach_m` of a place (2,), and some beyond."""
-        x, y = self._firsts_m - place[:, None]
-        chosen = np.flatnonzero(x * x + y * y < (reach_m + self._extent_m) ** 2)
-        return replace(self, polygons_m=self.polygons_m[chosen], values=self.values[chosen], strips=self.strips[chosen])
-
-    @cached_property
-    def _firsts_m(self) -> Floats:
-        """(2, n) first vertices."""
-        return np.ascontiguousarray(self.polygons_m[:, 0].T)
-
-    @cached_property
-    def _extent_m(self) -> float:
-        """The largest distance of a vertex from its polygon's first vertex."""
-        farthest = 0.0
-        for i in range(1, self.polygons_m.shape[1]):
-            x, y = self.polygons_m[:, i].T - self._firsts_m
-            farthest = max(farthest, float((x * x + y * y).max(initial=0.0)))
-        return sqrt(farthest)
-
-    @property
-    def centres_m(self) -> Floats:
-        return np.asarray(self.polygons_m.mean(axis=1))
-
-    @property
-    def radii_m(self) -> Floats:
-        offset: Floats = self.polygons_m - self.polygons_m.mean(axis=1, keepdims=True)
-        return np.asarray(np.linalg.norm(offset, axis=2).max(axis=1))
 
 
 def painted(shapes: list[LaneShape], seed: int, look: RoadAppearance) -> list[Batch]:

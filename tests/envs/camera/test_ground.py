@@ -17,7 +17,7 @@ from vpf_sim.envs.camera.ground.paint import ASPHALT, GRASS, LINE, Batch
 from vpf_sim.envs.camera.ground.palette import RAMP, ground_table
 from vpf_sim.envs.camera.ground.patches import patch_of, sample
 from vpf_sim.envs.camera.ground.raster import Raster
-from vpf_sim.envs.camera.ground.surface import Surface
+from vpf_sim.envs.camera.ground.surface import Polygons, Surface
 from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.layout import lane_shapes
 from vpf_sim.envs.camera.light import Light
@@ -98,7 +98,7 @@ def test_a_strip_keeps_its_width(fine: tuple[int, int]) -> None:
         spine = np.array([5.0, 5.0]) + np.linspace(-4.0, 4.0, 4)[:, None] * along
         polygon = np.concatenate([spine - across, (spine + across)[::-1]])
         batch = Batch(polygon[None], np.array([245]), np.array([0]), thin=True)
-        picture = Surface([batch], 1.0, fine).paint(raster).astype(float) - GRASS
+        picture = Surface(Polygons([batch]), 1.0, fine).paint(raster).astype(float) - GRASS
         areas.append(picture.sum() / (245 - GRASS) * raster.across_m * raster.along_m)
     assert np.mean(areas) == pytest.approx(8.0 * 0.2, rel=0.03)
     assert np.std(areas) < 0.1

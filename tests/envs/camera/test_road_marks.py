@@ -130,7 +130,8 @@ def test_studs_lie_in_the_middle_of_the_gaps() -> None:
     shapes = lane_shapes(env.road)
     plain, studded = (painted(shapes, 0, RoadAppearance(studs=studs)) for studs in (False, True))
     bright = [
-        {tuple(place) for batch in one for place in batch.centres_m[batch.values > 190]} for one in (plain, studded)
+        {tuple(place) for batch in one for place in batch.polygons_m[batch.values > 190].mean(axis=1)}
+        for one in (plain, studded)
     ]
     studs = np.array(sorted(bright[1] - bright[0]))
     middles = np.concatenate([stripes(line, 3.0, 6.0)[:, 1] + 3.0 for line in lines(shapes) if line.striped])
