@@ -30,6 +30,7 @@ from torch import Tensor, nn
 from behaviour_cloning.export import commit, export
 from vpf_sim.drivers.learned.manifest import Manifest, PictureInput, StateInput, Training
 from vpf_sim.envs.learning import FourLanePixels, RewardWeights
+from vpf_sim.errors import InputError
 from vpf_sim.evaluation.sweeps.plan import parse_seeds
 from vpf_sim.policy_state import SPEED_SCALE_MPS, STATE
 
@@ -137,8 +138,8 @@ def main(options: argparse.Namespace) -> None:
     manifest = recorded(options, made_from, learned.num_timesteps, (perf_counter() - began_s) / 3600.0)
     export(Command(learned.policy), manifest, options.out / "policy.onnx")
     for scenario, weather in product(SCENARIOS, WEATHERS):
-        count = arrivals(LaneKeeping(options.shrink, (scenario,), (weather,)), learned, parse_seeds(options.test_seeds))
-        print(f"{scenario}, {weather}, seeds {options.test_seeds}: {count} arrive without noise")
+        count = arrivals(LaneKeeping(options.shrink, (scenario,), (weather,)), learned, options.test_seeds)
+        print(f"{scenario}, {weather}, {count} of {len(options.test_seeds)} arrive without noise")
 
 
 def arrivals(world: LaneKeeping, learned: PPO, seeds: Iterable[int]) -> int:
@@ -170,6 +171,13 @@ def recorded(options: argparse.Namespace, made_from: str, decisions: int, wall_h
     return replace(MANIFEST, training=training)
 
 
+def _seeds(text: str) -> range:
+    try:
+        return parse_seeds(text, "A:B")
+    except InputError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("out", type=Path, metavar="FOLDER")
@@ -177,6 +185,6 @@ if __name__ == "__main__":
     parser.add_argument("--steps-of-an-update", type=int, default=1024, help="of each process")
     parser.add_argument("--shrink", type=int, default=1, help="draw pictures so many times larger, and average them")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--test-seeds", default="900:905", help="of the drives after training")
+    parser.add_argument("--test-seeds", type=_seeds, default="900:905", help="of the drives after training")
     parser.add_argument("--workers", type=int, default=2, help="processes that drive")
     main(parser.parse_args())

@@ -93,4 +93,5 @@ def _on_its_id(content: dict[str, Any]) -> dict[str, Any]:
 
 
 def _over(base: str, content: dict[str, Any]) -> dict[str, Any]:
-    return configuration.laid_over(configuration.read(CATALOG, f"{base}.toml"), content)
+    below = _on_base(configuration.read(CATALOG, f"{base}.toml"), f"{base}.toml")
+    return configuration.laid_over(below, content)

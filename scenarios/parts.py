@@ -21,7 +21,8 @@ Interval = Annotated[tuple[float, float], Field(strict=False)]  # TOML has lists
 Place = Annotated[float, Field(ge=-FARTHEST_M, le=FARTHEST_M)]
 Degrees = Annotated[float, Field(ge=-360.0, le=360.0)]
 Speed = Annotated[float, Field(ge=0.0, le=FASTEST_MPS)]
-Lanes = Annotated[int, Field(ge=1, le=20)]
+MOST_LANES = 20
+Lanes = Annotated[int, Field(ge=1, le=MOST_LANES)]
 LaneWidth = Annotated[float, Field(gt=0.0, le=20.0)]
 
 
@@ -86,10 +87,14 @@ class RoadAppearance(Section):
     )
     gap_m: Annotated[float, Field(gt=0.0, le=50.0)] = Field(default=6.0, description="between them")
     studs: bool = Field(default=False, description="true: a round marker in the middle of each gap")
-    double_lines: bool = Field(default=False, description="true: solid lines between lanes are double")
+    double_lines: bool = Field(
+        default=False, description="true: solid lines between lanes, as before oncoming traffic, are double"
+    )
     marks: bool = Field(default=False, description="true: arrows and words in the lanes, stop lines, zebra crossings")
-    bus_lane: bool = Field(default=False, description="true: the rightmost lane is darker, behind a broad line")
-    tram_rails: bool = Field(default=False, description="true: rails in the leftmost lane")
+    bus_lane: bool = Field(
+        default=False, description="true: the rightmost lane is darker, behind a broad line, with the word BUS"
+    )
+    tram_rails: bool = Field(default=False, description="true: rails in the leftmost lane, also of oncoming traffic")
     kerbs: bool = Field(default=False, description="true: kerb stones and a pavement beside the road, drawn flat")
     shadows: bool = Field(default=False, description="true: trees, posts, signs and gantries cast shadows in the sun")
 

@@ -1,6 +1,6 @@
 """What happens on a random road: crossing, cutting in, braking hard, doors, oncoming traffic. The seed draws it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Literal
 
 import numpy as np
@@ -25,20 +25,31 @@ WAITS_S, GOES_ON_MPS = (3.0, 7.0), (6.5, 9.0)
 OPENS_WITHIN_M, OPENS_MPS = (6.0, 14.0), (1.0, 2.0)
 OPEN_M = 0.95  # how far a door reaches out
 FIRST_ONCOMING_M, ONCOMING_MPS = 80.0, (5.0, 12.0)
+LEAST_STRETCH_M, APART_M = 30.0, 15.0  # of road for each, and between the middles of two
+DOOR_ROOM_M = 12.0  # of road on either side of a parked car without a row of objects
 LAST_M = 25.0  # least distance of a place from the goal
 
 
 def events(
-    kinds: tuple[Event, ...], count: int, road: Road, ego: Ego, goal: Goal, rng: np.random.Generator
+    kinds: tuple[Event, ...],
+    count: int,
+    road: Road,
+    ego: Ego,
+    goal: Goal,
+    rows_m: Sequence[float],
+    rng: np.random.Generator,
 ) -> Iterator[ObjectSpec]:
-    """`count` events, evenly spread along the route: one in each stretch."""
+    """`count` events, evenly spread along the route: one in each stretch. Rows of objects stand at `rows_m`.
+
+    Where a vehicle has no room beside the ego's lane, it brakes hard in it instead.
+    """
     stretch_m = max(goal.s_m - LAST_M - ego.s_m, 0.0) / max(count, 1)
     for number in range(count):
         s_m = ego.s_m + stretch_m * (number + float(rng.uniform(0.4, 0.9)))
         kind = kinds[int(rng.integers(len(kinds)))]
         if kind == "crossing":
             yield _crossing(road, ego, s_m, rng)
-        elif kind == "door" and road.own_lanes > 1:
+        elif kind == "door" and road.own_lanes > 1 and all(abs(row_m - s_m) > DOOR_ROOM_M for row_m in rows_m):
             yield from _door(road, ego, s_m, rng)
         elif kind == "cut-in" and road.own_lanes > 1:
             yield _cut_in(road, ego, s_m, rng)
@@ -46,9 +57,13 @@ def events(
             yield _hard_brake(ego, s_m, rng)
 
 
-def oncoming(count: int, road: Road, goal: Goal, rng: np.random.Generator) -> Iterator[ObjectSpec]:
-    """`count` vehicles that come towards the ego in the leftmost lane."""
-    for s_m in np.sort(rng.uniform(FIRST_ONCOMING_M, goal.s_m, count)).tolist():
+def oncoming(count: int, road: Road, ego: Ego, goal: Goal, rng: np.random.Generator) -> Iterator[ObjectSpec]:
+    """`count` vehicles, or as many as fit, that come towards the ego in the leftmost lane: one in each stretch."""
+    first_m = ego.s_m + FIRST_ONCOMING_M
+    count = min(count, max(int((goal.s_m - first_m) // LEAST_STRETCH_M), 0))
+    stretch_m = (goal.s_m - first_m) / max(count, 1)
+    for number in range(count):
+        s_m = first_m + stretch_m * number + float(rng.uniform(0.0, stretch_m - APART_M))
         speed_mps = float(rng.uniform(*ONCOMING_MPS))
         yield ObjectSpec(kind=_vehicle(rng), s_m=s_m, lane=road.lanes, speed_mps=speed_mps, oncoming=True)
 

@@ -8,6 +8,7 @@ from pydantic import Field, PositiveFloat
 
 from vpf_sim.scenarios.kinds import SIZES, ObjectKind
 from vpf_sim.scenarios.parts import (
+    MOST_LANES,
     MOST_ROAD_M,
     Arc,
     Clothoid,
@@ -90,10 +91,10 @@ class RandomRoad(ConsistentSection):
         default=(0, 0), description="actors that get in the ego's way along the route"
     )
     event_kinds: Annotated[tuple[Event, ...], Field(strict=False, min_length=1)] = Field(
-        default=EVENTS, description="what they do"
+        default=EVENTS, description="what they do; who has no room beside the ego's lane brakes hard in it"
     )
     oncoming: Annotated[tuple[Rows, Rows], Field(strict=False)] = Field(
-        default=(0, 0), description="vehicles in one more lane on the left, towards the ego"
+        default=(0, 0), description="vehicles in one more lane on the left, towards the ego, or as many as fit"
     )
 
     @property
@@ -106,6 +107,8 @@ class RandomRoad(ConsistentSection):
             low, high = getattr(self, key)
             if low > high:
                 yield f"{key}: expected [low, high] with low <= high, got [{low:g}, {high:g}]"
+        if self.lanes + self.oncoming_lanes > MOST_LANES:
+            yield f"lanes: expected at most {MOST_LANES - 1} beside the lane of oncoming traffic, got {self.lanes}"
         half_m, oncoming_m = self.lanes * self.lane_width_m / 2.0, self.oncoming_lanes * self.lane_width_m / 2.0
         if self.radius_m[0] <= half_m + oncoming_m:
             wide = f"{half_m + oncoming_m:g} m"
@@ -145,13 +148,15 @@ class RandomScenario(ConsistentSection):
             heading_deg=float(rng.uniform(*self.random.heading_deg)),
             segments=tuple(_segments(self.random, goal.s_m + BEYOND_GOAL_M, rng)),
         )
-        rows = _objects(self.random, own, self.ego, goal, stream(seed, "random rows"))
+        rows = list(_objects(self.random, own, self.ego, goal, stream(seed, "random rows")))
         added = self.random.oncoming_lanes
         road = own.model_copy(update={"lanes": own.lanes + added, "oncoming_lanes": added})
         acting, coming = stream(seed, "random events"), stream(seed, "random oncoming")
         count = _count(self.random.events, acting)
-        doing = events(self.random.event_kinds, count, road, self.ego, goal, acting)
-        bodies = (*rows, *doing, *oncoming(_count(self.random.oncoming, coming), road, goal, coming))
+        rows_m = [body.s_m for body in rows]
+        doing = events(self.random.event_kinds, count, road, self.ego, goal, rows_m, acting)
+        towards = oncoming(_count(self.random.oncoming, coming), road, self.ego, goal, coming)
+        bodies = (*rows, *doing, *towards)
         ego = drawn(self.ego, self.vary, "ego", "ego", seed)
         parts = {"road": road, "ego": ego, "goal": goal, "bodies": bodies, "limits": self.limits}
         return Scenario.model_validate({"schema": self.version, **parts})

@@ -200,6 +200,25 @@ def test_a_door_in_the_way_is_a_collision() -> None:
     assert info["status"] == "collision"
 
 
+def test_a_short_route_has_fewer_oncoming_vehicles() -> None:
+    text = 'base = "random"\n[random]\nlength_m = [50.0, 130.0]\nrows = [0, 0]\noncoming = [3, 3]\n'
+    counts = {len(scenarios.parse(text, "short.toml").draw(seed).bodies) for seed in range(20)}
+    assert counts == {0, 1}
+
+
+def test_doors_open_where_no_row_stands() -> None:
+    text = 'base = "random"\n[random]\nrows = [3, 3]\nevents = [4, 4]\nevent_kinds = ["door"]\n'
+    doors = 0
+    for seed in range(30):
+        bodies = scenarios.parse(text, "doors.toml").draw(seed).bodies
+        first = next((k for k, body in enumerate(bodies) if body.is_actor), len(bodies)) - 1
+        rows_m = [body.s_m for body in bodies[:first]]
+        places = [body.s_m for body in bodies if body.kind == "door"]
+        doors += len(places)
+        assert all(abs(place - row_m) > 11.0 for place in places for row_m in rows_m)
+    assert doors > 10
+
+
 def test_random_oncoming_traffic_comes_on_a_lane_of_its_own_and_does_not_change_the_rest() -> None:
     base = scenarios.load("random")
     busy = scenarios.parse('base = "random"\n[random]\noncoming = [2, 4]\n', "busy.toml")
@@ -210,4 +229,7 @@ def test_random_oncoming_traffic_comes_on_a_lane_of_its_own_and_does_not_change_
         assert drawn.bodies[: len(plain.bodies)] == plain.bodies
         coming = drawn.bodies[len(plain.bodies) :]
         assert 2 <= len(coming) <= 4
+        places = [body.s_m for body in coming]
+        assert places[0] >= drawn.ego.s_m + 80.0
+        assert min(np.diff(places)) > 10.0
         assert all(body.oncoming and body.lane == drawn.road.lanes and body.speed_mps > 0.0 for body in coming)

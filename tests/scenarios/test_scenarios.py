@@ -273,3 +273,12 @@ def test_catalog_files_start_with_a_description() -> None:
         text = path.read_text("utf-8")
         assert text.startswith("# ")
         assert tomllib.loads(text)["schema"] == 1
+
+
+@pytest.mark.parametrize("name", ["random-marks", "random-dash-cam"])
+def test_a_base_may_have_a_base_itself(name: str) -> None:
+    mine = scenarios.parse(f'schema = 1\nbase = "{name}"\n[random]\nlanes = 3\n', "mine.toml")
+    assert isinstance(mine, scenarios.RandomScenario)
+    below = scenarios.load(name)
+    assert mine.random.lanes == 3
+    assert (mine.random.look, mine.ego.camera) == (below.random.look, below.ego.camera)

@@ -69,8 +69,7 @@ def painted(shapes: list[LaneShape], seed: int, look: RoadAppearance) -> list[Ba
     coarse, coarse_tones = coarse_wear(shapes, rng)
     fine, fine_tones = fine_wear(shapes, rng)
     paint = LINE - np.minimum(np.abs(np.rint(rng.normal(0.0, FADED, len(striped)))), 3 * FADED).astype(np.int64)
-    symbols = road_marks(shapes, stream(seed, "road marks")) if look.marks else np.empty((0, 4, 2))
-    symbols = np.concatenate([symbols, *map(bus_words, bus_lanes)])
+    symbols = road_marks(shapes, stream(seed, "road marks"), bus_lanes) if look.marks else bus_words(bus_lanes)
     batches = [
         _strips(far_shoulders, thin=False),
         _strips(shoulders, thin=False, range_m=RAGGED_RANGE_M),
@@ -82,7 +81,8 @@ def painted(shapes: list[LaneShape], seed: int, look: RoadAppearance) -> list[Ba
         _strips(rails, thin=True),
         _strips([(a, b, LINE) for a, b in solid], thin=True),
         _separate(striped, paint, thin=True),
-        _separate(symbols, np.full(len(symbols), LINE - FADED), thin=False),
+        # each is a strip of its own: parts of a symbol overlap, and fillPoly would cut overlaps out
+        Batch(symbols, np.full(len(symbols), LINE - FADED), np.arange(len(symbols)), thin=False),
         _separate(worn := flakes(marks, rng), np.full(len(worn), ASPHALT - 3), thin=False, range_m=FLAKE_RANGE_M),
     ]
     return [batch for batch in batches if len(batch.values)]

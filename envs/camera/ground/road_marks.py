@@ -1,6 +1,6 @@
 """Symbols painted on the road: arrows and words in the lanes, stop lines, zebra crossings. The seed places them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.types import Floats
 
 SYMBOLS_EVERY_M, CROSSINGS_EVERY_M = 45.0, 140.0  # mean distances
-BUS_EVERY_M = 40.0
+BUS_EVERY_M, CLEAR_OF_CROSSING_M = 40.0, 6.0
 WORD_SHARE = 0.3  # of the symbols, the rest are arrows
 ARROW_M = 5.0  # length
 STOP_LINE_M, BEFORE_CROSSING_M = 0.5, 1.5  # width of a stop line, and its distance from the crossing
@@ -24,24 +24,31 @@ CURVE = [(2.3, 0.0), (3.1, 0.95), (3.4, 0.95), (2.7, 0.0)]
 ARROWS = ((SHAFT, STRAIGHT), (BENT, CURVE, TURNING), (SHAFT, STRAIGHT, CURVE, TURNING))
 
 
-def road_marks(shapes: list[LaneShape], rng: np.random.Generator) -> Floats:
-    """(n, 4, 2) m, polygons of all symbols."""
+def road_marks(shapes: list[LaneShape], rng: np.random.Generator, bus_lanes: Sequence[LaneShape] = ()) -> Floats:
+    """(n, 4, 2) m, polygons of all symbols; bus lanes have none but BUS."""
     first, last = (max(s.s_m[0] for s in shapes), min(s.s_m[-1] for s in shapes))
     crossings = _places(first, last, CROSSINGS_EVERY_M, rng)
     polygons = []
     for shape in shapes:
         symbols = [part for s in _places(first, last, SYMBOLS_EVERY_M, rng) for part in _symbol(s, rng)]
+        if any(shape is lane for lane in bus_lanes):
+            symbols = list(_bus_words(shape, crossings))
         bars = [part for s in crossings for part in _crossing(shape, s)]
         polygons += [shape.points(*np.array(part).T) for part in (*symbols, *bars)]
     return np.array(polygons).reshape(-1, 4, 2)
 
 
-def bus_words(shape: LaneShape) -> Floats:
-    """(n, 4, 2) m, polygons of BUS along a lane."""
-    starts = np.arange(shape.s_m[0], shape.s_m[-1], BUS_EVERY_M)
-    parts = np.array(list(word("BUS")))
-    ahead, right = np.broadcast_arrays(starts[:, None, None] + parts[..., 0], parts[..., 1])
-    return shape.points(ahead, right).reshape(-1, 4, 2)
+def bus_words(shapes: Sequence[LaneShape]) -> Floats:
+    """(n, 4, 2) m, polygons of BUS along lanes without other symbols."""
+    parts = [shape.points(*np.array(part).T) for shape in shapes for part in _bus_words(shape, [])]
+    return np.array(parts).reshape(-1, 4, 2)
+
+
+def _bus_words(shape: LaneShape, crossings: list[float]) -> Iterator[list[tuple[float, float]]]:
+    """The parts of BUS along a lane, as (s, lateral) m, but not on crossings and their stop lines."""
+    for start in np.arange(shape.s_m[0], shape.s_m[-1], BUS_EVERY_M).tolist():
+        if all(abs(start - s) > CLEAR_OF_CROSSING_M for s in crossings):
+            yield from ([(start + ahead, right) for ahead, right in part] for part in word("BUS"))
 
 
 def _places(first: float, last: float, every_m: float, rng: np.random.Generator) -> list[float]:

@@ -73,6 +73,28 @@ def test_words_read_from_left_to_right_and_are_as_long_as_they_should_be(text: s
     assert middles == sorted(middles)
 
 
+def test_overlapping_strokes_are_painted_through() -> None:
+    """Polygons of one strip are filled together, and what two of them cover is left out."""
+    env = FourLane(scenarios.parse(ROAD + "bus_lane = true", "look.toml"), frames=False)
+    env.reset(seed=0)
+    batches = painted(lane_shapes(env.road), 0, env.road.network.appearance)
+    (symbols,) = [batch for batch in batches if batch.polygons_m.shape[1] == 4 and (batch.values == LINE - 8).all()]
+    assert len(set(symbols.strips)) == len(symbols.values) > 50
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_bus_lane_has_no_symbols_but_bus_and_crossings(seed: int) -> None:
+    env = FourLane("town04", frames=False)
+    env.reset(seed=0)
+    shapes = lane_shapes(env.road)
+    along, across = env.road.network.centre.local(road_marks(shapes, np.random.default_rng(seed), shapes[-1:]))
+    in_lane = across.mean(axis=1) > 3.5
+    crossing = (np.ptp(along, axis=1) > 2.9) | (np.ptp(across, axis=1) > 3.4)
+    starts = (along[in_lane & ~crossing].min(axis=1) - shapes[-1].s_m[0]) % 40.0
+    assert len(starts) > 100
+    assert ((starts < 2.5) | (starts > 39.8)).all()
+
+
 TOWN = {
     "bus_lane": (1, [-1.75], []),
     "tram_rails": (4, [-0.75, 0.75], [-1.2, 0.0, 1.2]),
