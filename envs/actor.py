@@ -80,9 +80,7 @@ class Actor(Vehicle):  # type: ignore[misc]
     def put_at(self, s_m: float) -> None:
         """Put it at another place along its lane; speed and manoeuvres stay."""
         self.place = (s_m, self.place[1])
-        centre = self.road.network.centre
-        self.position = np.array(centre.position_at(*self.place))
-        self.heading = centre.heading_at(s_m) + self._turn_rad
+        self._set_pose()
 
     def step(self, dt: float) -> None:
         """Move for dt seconds."""
@@ -99,12 +97,17 @@ class Actor(Vehicle):  # type: ignore[misc]
         self.speed = math.hypot(self._along_mps, aside_mps)
         if self.speed > 0.0:  # who stands faces where it last went
             self._turn_rad = math.atan2(aside_mps, self._forward * self._along_mps)
-        self.position = np.array(centre.position_at(*self.place))
-        self.heading = centre.heading_at(s) + self._turn_rad
+        self._set_pose()
         self.impact = None
 
     def on_state_update(self) -> None:
         """Nothing to update: the lane never changes."""
+
+    def _set_pose(self) -> None:
+        """Position and heading in the world, by the place on the road."""
+        centre = self.road.network.centre
+        self.position = np.array(centre.position_at(*self.place))
+        self.heading = centre.heading_at(self.place[0]) + self._turn_rad
 
     def _is_due(self, manoeuvre: Manoeuvre) -> bool:
         if manoeuvre.after_s is not None:

@@ -20,10 +20,10 @@ def test_it_is_small_and_says_how_it_was_trained(driver: str) -> None:
     model = drivers.model_of(driver)
     assert model is not None
     assert model.stat().st_size < 2e6
-    told = manifest.load(model)
-    assert told.training is not None
-    assert len(told.training.commit) == 40
-    assert told.training.frames == pytest.approx(3600.0 * told.rate_hz * told.training.driven_h, rel=0.01)
+    policy = manifest.load(model)
+    assert policy.training is not None
+    assert len(policy.training.commit) == 40
+    assert policy.training.frames == pytest.approx(3600.0 * policy.rate_hz * policy.training.driven_h, rel=0.01)
 
 
 def test_the_cloned_policy_has_not_seen_the_seeds_of_its_evaluation() -> None:
