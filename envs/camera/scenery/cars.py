@@ -157,9 +157,8 @@ def _rear(b: MeshBuilder, end: float, half: float, bumper: float, belt: float, p
 
 def plate(b: MeshBuilder, panel: list[Point], low: tuple[float, float], high: tuple[float, float]) -> None:
     """A number plate with its characters."""
-    b.reflects = True
-    b.detail(panel, low, high, PLATE)
-    b.reflects = False
+    with b.retroreflective():
+        b.detail(panel, low, high, PLATE)
     step = (high[0] - low[0]) / 8.0
     for i in (0, 1, 3, 4, 5, 6):
         u = low[0] + (i + 0.7) * step

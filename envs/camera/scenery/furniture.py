@@ -34,9 +34,8 @@ def _post() -> Mesh:
     panels = box(b, (-0.05, -0.06, 0.0), (0.05, 0.06, 1.0), WHITE)
     for name in ("rear", "left", "right"):
         b.shape(panels[name], band, BLACK)
-    b.reflects = True
-    b.detail(panels["rear"], (0.3, 0.66), (0.7, 0.82), (216, 206, 176))
-    b.reflects = False
+    with b.retroreflective():
+        b.detail(panels["rear"], (0.3, 0.66), (0.7, 0.82), (216, 206, 176))
     b.drawn_m = (NEAR_M, 1e3)
     b.whole(panels["rear"], WHITE)
     b.shape(panels["rear"], band, BLACK)

@@ -3,6 +3,8 @@
 Object axes: x forward, y right, z up from the road, origin under the object's middle.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -58,11 +60,18 @@ class MeshBuilder:
     distances: list[tuple[float, float]] = field(default_factory=list)
     part: int = 0
     drawn_m: tuple[float, float] = (0.0, np.inf)  # distance range of the following faces
-    reflects: bool = False  # whether the following faces are retroreflective
+    _reflects: bool = False  # whether the following faces are retroreflective
 
     def next_part(self) -> None:
         """Start a new convex part."""
         self.part += 1
+
+    @contextmanager
+    def retroreflective(self, reflects: bool = True) -> Iterator[None]:
+        """Faces added in this context throw light back to where it comes from."""
+        self._reflects = reflects
+        yield
+        self._reflects = False
 
     def detail(
         self, panel: list[Point], low: tuple[float, float], high: tuple[float, float], colour: Colour, lit: bool = True
@@ -80,7 +89,7 @@ class MeshBuilder:
         self.outlines.append(outline + outline[-1:] * (VERTICES - len(outline)))
         self.colours.append(colour)
         self.lit.append(lit)
-        self.retro.append(self.reflects)
+        self.retro.append(self._reflects)
         self.parts.append(self.part)
         self.distances.append(self.drawn_m)
 

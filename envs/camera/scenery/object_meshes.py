@@ -127,11 +127,11 @@ def cone(length: float, width: float, height: float, rng: np.random.Generator) -
     for i in range(sides):
         a0, a1 = 2.0 * np.pi * i / sides, 2.0 * np.pi * (i + 1) / sides
         for low, high, colour in bands:
-            b.reflects = colour == WHITE
             r0, r1 = (radius * (1 - v * (1 - top)) for v in (low, high))
             z0, z1 = (foot + v * (height - foot) for v in (low, high))
             ring = [(r0, a1, z0), (r0, a0, z0), (r1, a0, z1), (r1, a1, z1)]
-            b.whole([(float(r * np.cos(a)), float(r * np.sin(a)), z) for r, a, z in ring], colour)
+            with b.retroreflective(colour == WHITE):
+                b.whole([(float(r * np.cos(a)), float(r * np.sin(a)), z) for r, a, z in ring], colour)
     return b.build()
 
 
@@ -156,20 +156,20 @@ def barrier(length: float, width: float, height: float, rng: np.random.Generator
     half, thin = 0.5 * width, 0.5 * min(length, 0.3)
     for y in (-0.8 * half, 0.8 * half):
         box(b, (-0.5 * length, y - 0.12, 0.0), (0.5 * length, y + 0.12, 0.12 * height), (48, 46, 45))
-    b.reflects = True
-    panels = box(b, (-thin, -half, 0.12 * height), (thin, half, height), (226, 226, 222))
-    count = max(2, round(width / 0.35))
-    for name in ("rear", "front"):
-        for i in range(count):
-            u, step = i / count, 1.0 / count
-            for v0, v1 in ((0.52, 0.95), (0.08, 0.4)):
-                outline = [(u, v0), (u + 0.5 * step, v1), (u + step, v1), (u + 0.5 * step, v0)]
-                b.shape(panels[name], outline, (206, 32, 28))
-        b.detail(panels[name], (0.0, 0.42), (1.0, 0.5), (120, 122, 124))
-        for u in (0.06, 0.5, 0.94):
-            b.detail(panels[name], (u - 0.015, 0.0), (u + 0.015, 1.0), (150, 152, 154))
-    for name in ("left", "right"):
-        b.detail(panels[name], (0.2, 0.55), (0.8, 0.9), (206, 32, 28))
+    with b.retroreflective():
+        panels = box(b, (-thin, -half, 0.12 * height), (thin, half, height), (226, 226, 222))
+        count = max(2, round(width / 0.35))
+        for name in ("rear", "front"):
+            for i in range(count):
+                u, step = i / count, 1.0 / count
+                for v0, v1 in ((0.52, 0.95), (0.08, 0.4)):
+                    outline = [(u, v0), (u + 0.5 * step, v1), (u + step, v1), (u + 0.5 * step, v0)]
+                    b.shape(panels[name], outline, (206, 32, 28))
+            b.detail(panels[name], (0.0, 0.42), (1.0, 0.5), (120, 122, 124))
+            for u in (0.06, 0.5, 0.94):
+                b.detail(panels[name], (u - 0.015, 0.0), (u + 0.015, 1.0), (150, 152, 154))
+        for name in ("left", "right"):
+            b.detail(panels[name], (0.2, 0.55), (0.8, 0.9), (206, 32, 28))
     return b.build()
 
 

@@ -72,11 +72,11 @@ def limit(tens: int) -> Mesh:
     b = MeshBuilder()
     _pole(b, 2.5)
     panel = _facing(0.0, 0.42, 2.0, 0.84)
-    b.reflects = True
-    fan(b, panel, ring(12, 0.5), RED)
-    fan(b, panel, ring(12, 0.39), WHITE)
-    b.drawn_m = (0.0, FAR_M)
-    _number(b, panel, [tens, 0], BLACK)
+    with b.retroreflective():
+        fan(b, panel, ring(12, 0.5), RED)
+        fan(b, panel, ring(12, 0.39), WHITE)
+        b.drawn_m = (0.0, FAR_M)
+        _number(b, panel, [tens, 0], BLACK)
     return b.build()
 
 
@@ -85,12 +85,12 @@ def warning() -> Mesh:
     b = MeshBuilder()
     _pole(b, 2.5)
     panel = _facing(0.0, 0.5, 1.9, 0.9)
-    b.reflects = True
-    b.shape(panel, [(0.0, 0.0), (0.5, 1.0), (1.0, 0.0)], RED)
-    b.shape(panel, [(0.16, 0.09), (0.5, 0.78), (0.84, 0.09)], WHITE)
-    b.drawn_m = (0.0, FAR_M)
-    b.detail(panel, (0.46, 0.3), (0.54, 0.6), BLACK)
-    b.detail(panel, (0.46, 0.16), (0.54, 0.24), BLACK)
+    with b.retroreflective():
+        b.shape(panel, [(0.0, 0.0), (0.5, 1.0), (1.0, 0.0)], RED)
+        b.shape(panel, [(0.16, 0.09), (0.5, 0.78), (0.84, 0.09)], WHITE)
+        b.drawn_m = (0.0, FAR_M)
+        b.detail(panel, (0.46, 0.3), (0.54, 0.6), BLACK)
+        b.detail(panel, (0.46, 0.16), (0.54, 0.24), BLACK)
     return b.build()
 
 
@@ -101,11 +101,11 @@ def board(colour: Colour, width: float, height: float, low: float, lines: Sequen
         _pole(b, low + 0.6 * height, y)
     panel = _facing(0.0, 0.5 * width, low, height)
     b.whole([panel[1], panel[0], panel[3], panel[2]], BACK)
-    b.reflects = True
-    b.whole(panel, WHITE if colour != WHITE else BLACK)
-    margin = 0.05
-    b.detail(panel, (margin * height / width, margin), (1.0 - margin * height / width, 1.0 - margin), colour)
-    _writing(b, panel, lines, BLACK if colour in (WHITE, YELLOW) else WHITE)
+    with b.retroreflective():
+        b.whole(panel, WHITE if colour != WHITE else BLACK)
+        margin = 0.05
+        b.detail(panel, (margin * height / width, margin), (1.0 - margin * height / width, 1.0 - margin), colour)
+        _writing(b, panel, lines, BLACK if colour in (WHITE, YELLOW) else WHITE)
     return b.build()
 
 
@@ -129,20 +129,20 @@ def chevron(count: int, to_right: bool) -> Mesh:
     width = 0.55 * count
     _pole(b, 1.4)
     panel = _facing(0.0, 0.5 * width, 0.8, 0.6)
-    b.reflects = True
-    b.whole(panel, WHITE)
-    for k in range(count):
-        tip, tail = (1.0, 0.0) if to_right else (0.0, 1.0)
-        for low, high in ((0.06, 0.5), (0.94, 0.5)):
-            outline = [
-                (tail * 0.5 + 0.05, low),
-                (tip * 0.5 + 0.1, high),
-                (tip * 0.5 + 0.38, high),
-                (tail * 0.5 + 0.33, low),
-            ]
-            if (low > high) != to_right:
-                outline.reverse()
-            b.shape(panel, [((k + u) / count, v) for u, v in outline], RED)
+    with b.retroreflective():
+        b.whole(panel, WHITE)
+        for k in range(count):
+            tip, tail = (1.0, 0.0) if to_right else (0.0, 1.0)
+            for low, high in ((0.06, 0.5), (0.94, 0.5)):
+                outline = [
+                    (tail * 0.5 + 0.05, low),
+                    (tip * 0.5 + 0.1, high),
+                    (tip * 0.5 + 0.38, high),
+                    (tail * 0.5 + 0.33, low),
+                ]
+                if (low > high) != to_right:
+                    outline.reverse()
+                b.shape(panel, [((k + u) / count, v) for u, v in outline], RED)
     return b.build()
 
 
@@ -151,13 +151,12 @@ def direction_board(b: MeshBuilder, y: float, low: float, seed: int) -> None:
     colour = (BLUE, GREEN, BLUE)[seed % 3]
     panel = _facing(y, 1.6, low, 2.3, x=-0.24)
     b.whole([panel[1], panel[0], panel[3], panel[2]], BACK)
-    b.reflects = True
-    b.whole(panel, WHITE)
-    b.detail(panel, (0.02, 0.03), (0.98, 0.97), colour)
-    _writing(b, panel, ((0.1, 0.6 + 0.1 * (seed % 3)), (0.1, 0.85), (0.1, 0.5)), WHITE)
-    b.shape(panel, [(0.74, 0.34), (0.82, 0.1), (0.82, 0.1), (0.9, 0.34)], WHITE)
-    b.detail(panel, (0.79, 0.3), (0.85, 0.5), WHITE)
-    b.reflects = False
+    with b.retroreflective():
+        b.whole(panel, WHITE)
+        b.detail(panel, (0.02, 0.03), (0.98, 0.97), colour)
+        _writing(b, panel, ((0.1, 0.6 + 0.1 * (seed % 3)), (0.1, 0.85), (0.1, 0.5)), WHITE)
+        b.shape(panel, [(0.74, 0.34), (0.82, 0.1), (0.82, 0.1), (0.9, 0.34)], WHITE)
+        b.detail(panel, (0.79, 0.3), (0.85, 0.5), WHITE)
 
 
 def lane_arrow(b: MeshBuilder, y: float, low: float) -> None:
