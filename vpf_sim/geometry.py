@@ -71,6 +71,11 @@ def horizon_px(camera: Camera) -> float:
     return float(camera.cy_px - camera.fy_px * np.tan(camera.pitch_rad))
 
 
+def road_row_px(camera: Camera, depth_m: float) -> float:
+    """Image row of the road at a depth, for a camera that looks almost level: tan(pitch) is taken as small."""
+    return horizon_px(camera) + camera.fy_px * camera.height_m / depth_m
+
+
 def straight_ahead_px(camera: Camera) -> Floats:
     """(2,) px, the horizon straight ahead."""
     return np.array([camera.cx_px, horizon_px(camera)])

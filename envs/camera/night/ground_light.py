@@ -10,7 +10,7 @@ from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.light import GAMMA
 from vpf_sim.envs.camera.night.lamplight import Lamplight
 from vpf_sim.envs.camera.view import View
-from vpf_sim.geometry import horizon_px
+from vpf_sim.geometry import road_row_px
 from vpf_sim.types import Camera, Floats, Image
 
 COLUMN_PX = 8  # the light is smooth across: worked out for every eighth column
@@ -35,7 +35,7 @@ class GroundLight:
         self._lamplight = lamplight
         self._size = (camera.width_px, camera.height_px - ground_top(camera))
         columns = np.linspace(0.0, camera.width_px - 1.0, -(-camera.width_px // COLUMN_PX) + 1)
-        farthest_px = horizon_px(camera) + camera.fy_px * camera.height_m / FARTHEST_M
+        farthest_px = road_row_px(camera, FARTHEST_M)
         rows = np.maximum(np.arange(ground_top(camera), camera.height_px, dtype=float), farthest_px)
         view = View.at(camera, np.zeros(2), 0.0)
         self._points_m = _ground(view, columns, rows)

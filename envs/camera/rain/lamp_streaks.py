@@ -6,7 +6,7 @@ from vpf_sim.envs.camera.light import GAMMA
 from vpf_sim.envs.camera.night.glow import Glow, Lamp
 from vpf_sim.envs.camera.rain.mirror import REFINEMENT
 from vpf_sim.envs.camera.truth import Drawn
-from vpf_sim.geometry import horizon_px
+from vpf_sim.geometry import road_row_px
 from vpf_sim.types import Camera, Floats, Image
 
 NARROW_PX = 0.9  # least standard deviation across, canvas pixels
@@ -33,7 +33,7 @@ def lamp_streaks(camera: Camera, drawn: list[Drawn], share: Image, top: int, sme
 
 def _add(light: Floats, camera: Camera, lamp: Lamp, top: int, smear_px: float) -> None:
     """Add one lamp's streak, in place."""
-    foot = horizon_px(camera) + camera.fy_px * camera.height_m / lamp.depth_m
+    foot = road_row_px(camera, lamp.depth_m)
     x, y = lamp.x_px / REFINEMENT, (2.0 * foot - lamp.y_px - top) / REFINEMENT
     wide = NARROW_PX + 0.25 * lamp.size_px / REFINEMENT
     x0, x1 = (int(np.clip(x + side * ACROSS * wide, 0, light.shape[1])) for side in (-1.0, 1.0))

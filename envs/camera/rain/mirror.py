@@ -11,7 +11,7 @@ from vpf_sim.envs.camera.night.glow import Glow
 from vpf_sim.envs.camera.painter import SHIFT, Drawing, Sprite
 from vpf_sim.envs.camera.truth import Drawn
 from vpf_sim.envs.camera.view import View
-from vpf_sim.geometry import horizon_px
+from vpf_sim.geometry import horizon_px, road_row_px
 from vpf_sim.types import Floats, Image
 
 REFINEMENT = 2  # image pixels per pixel of the reflection, each way
@@ -135,7 +135,7 @@ def large_sprites(drawn: list[Drawn]) -> list[Sprite]:
 def paint_sprite(canvas: Image, view: View, top: int, sprite: Sprite) -> None:
     """Draw a billboard upside down below its foot."""
     camera = view.camera
-    foot = horizon_px(camera) + camera.fy_px * camera.height_m / sprite.depth_m
+    foot = road_row_px(camera, sprite.depth_m)
     tall, wide = sprite.picture.shape[:2]
     size = (max(1, wide // REFINEMENT), max(1, tall // REFINEMENT))
     y = round((2.0 * foot - (sprite.y + tall) - top) / REFINEMENT)
