@@ -84,7 +84,8 @@ class Carriageway(RoadNetwork):  # type: ignore[misc]
         for index in range(road.lanes):
             offset_m = road.lane_offset_m(road.lanes - index)
             lane = OffsetLane(self.centre, offset_m, road.lane_width_m, (lines[index], lines[index + 1]))
-            lane.forbidden = index < road.oncoming_lanes  # to lane changes of highway-env's drivers
+            lane.oncoming = index < road.oncoming_lanes
+            lane.forbidden = lane.oncoming  # to lane changes of highway-env's drivers
             self.add_lane(START, END, lane)
 
     def lane_at(self, lateral_m: float) -> LaneIndex:

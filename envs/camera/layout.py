@@ -1,7 +1,8 @@
 """A highway-env road as polylines: both edges of each lane, sampled once.
 
-Only `position`, `heading_at`, `width_at`, `length` and `line_types` of the lanes are read. A lateral position on a lane
-interpolates between its edges. Lanes at the network's ends are extended straight, out of sight.
+Only `position`, `heading_at`, `width_at`, `length`, `line_types` and, on our own roads, `oncoming` of the lanes are
+read. A lateral position on a lane interpolates between its edges. Lanes at the network's ends are extended straight,
+out of sight.
 """
 
 from dataclasses import dataclass
@@ -33,6 +34,14 @@ class LaneShape:
     left_m: Floats  # (M, 2) world
     right_m: Floats  # (M, 2)
     line_types: tuple[int, int]  # highway_env.road.lane.LineType of the left and the right edge
+    oncoming: bool = False  # whether it is driven against s
+
+    @property
+    def as_driven(self) -> "LaneShape":
+        """The lane with s in the direction that it is driven in: -s in a lane of oncoming traffic."""
+        if not self.oncoming:
+            return self
+        return LaneShape(-self.s_m[::-1], self.right_m[::-1], self.left_m[::-1], self.line_types[::-1])
 
     def at(self, lateral_m: float | Floats) -> Floats:
         """(M, 2) world points `lateral_m` to the right of the centre line."""
@@ -219,7 +228,8 @@ def _sampled(lane: AbstractLane, beside: AbstractLane | None, before: bool, afte
         onward = beyond[:, None] * _direction(lane, length)
         s = np.concatenate([s, length + beyond])
         left, right = np.concatenate([left, left[-1] + onward]), np.concatenate([right, right[-1] + onward])
-    return LaneShape(s, left, right, (int(lane.line_types[0]), int(lane.line_types[1])))
+    kinds = int(lane.line_types[0]), int(lane.line_types[1])
+    return LaneShape(s, left, right, kinds, getattr(lane, "oncoming", False))
 
 
 def _closed(point: Floats, beside: AbstractLane) -> Floats:

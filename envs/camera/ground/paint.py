@@ -62,7 +62,8 @@ def painted(shapes: list[LaneShape], seed: int, look: RoadAppearance) -> list[Ba
     surfaces = [(shape.left_m, shape.right_m, ASPHALT + int(rng.integers(-2, 3))) for shape in shapes]
     bus_surfaces = [(shape.left_m, shape.right_m, street.BUS_LANE) for shape in bus_lanes]
     solid = [ribbon for line in marks if not line.striped for ribbon in _solid(line, outer, look)]
-    solid += [_ribbon(Line(shape.s_m, shape.left_m, striped=False), BROAD_LINE_M) for shape in bus_lanes]
+    beside_bus = [Line(shape.s_m, shape.left_m, striped=False) for shape in bus_lanes]
+    solid += [_ribbon(line, BROAD_LINE_M) for line in beside_bus if not street.is_outer(line.points_m, outer, 0.01)]
     rails = [strip for shape in tram_lanes for strip in street.tram_rails(shape)]
     striped = np.concatenate([np.empty((0, 6, 2)), *(_stripe_polygons(line, look) for line in marks if line.striped)])
     polished = [(left, right, ASPHALT + tone) for left, right, tone in tracks(shapes)]

@@ -27,11 +27,16 @@ ARROWS = ((SHAFT, STRAIGHT), (BENT, CURVE, TURNING), (SHAFT, STRAIGHT, CURVE, TU
 def road_marks(shapes: list[LaneShape], rng: np.random.Generator, bus_lanes: Sequence[LaneShape] = ()) -> Floats:
     """(n, 4, 2) m, polygons of all symbols; bus lanes have none but BUS."""
     first, last = (max(s.s_m[0] for s in shapes), min(s.s_m[-1] for s in shapes))
-    crossings = _places(first, last, CROSSINGS_EVERY_M, rng)
+    places = _places(first, last, CROSSINGS_EVERY_M, rng)
     polygons = []
-    for shape in shapes:
-        symbols = [part for s in _places(first, last, SYMBOLS_EVERY_M, rng) for part in _symbol(s, rng)]
-        if any(shape is lane for lane in bus_lanes):
+    for lane in shapes:
+        shape = lane.as_driven
+        starts = _places(first, last, SYMBOLS_EVERY_M, rng)
+        crossings = places
+        if lane.oncoming:
+            starts, crossings = [-s for s in starts], [-s - CROSSING_M for s in places]
+        symbols = [part for s in starts for part in _symbol(s, rng)]
+        if any(lane is one for one in bus_lanes):
             symbols = list(_bus_words(shape, crossings))
         bars = [part for s in crossings for part in _crossing(shape, s)]
         polygons += [shape.points(*np.array(part).T) for part in (*symbols, *bars)]

@@ -55,6 +55,38 @@ def test_symbols_lie_within_their_lanes(seed: int) -> None:
     assert len(np.unique(lanes)) >= 4
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_arrows_and_stop_lines_face_those_who_drive_in_the_lane(seed: int) -> None:
+    env = FourLane("oncoming", frames=False)
+    env.reset(seed=0)
+    symbols = road_marks(lane_shapes(env.road), np.random.default_rng(seed))
+    along, across = env.road.network.centre.local(symbols)
+    long_m, wide_m = np.ptp(along, axis=1), np.ptp(across, axis=1)
+    for forward in (1.0, -1.0):  # the right lane is the ego's
+        in_lane = np.sign(across.mean(axis=1)) == forward
+        tips = along[
+            in_lane & np.isclose(long_m, 1.8, atol=0.1) & np.isclose(wide_m, 0.8, atol=0.02)
+        ]  # heads of arrows straight on
+        assert len(tips) > 0
+        assert np.sign(tips[:, 2] - tips[:, 0]).tolist() == [forward] * len(tips)
+        stops = along[in_lane & (wide_m > 3.0)].mean(axis=1)
+        bars = along[in_lane & np.isclose(long_m, 3.0, atol=0.1) & np.isclose(wide_m, 0.5, atol=0.02)].mean(axis=1)
+        nearest = bars[np.abs(stops[:, None] - bars).argmin(axis=1)]
+        assert len(stops) > 0
+        assert forward * (nearest - stops) == pytest.approx(1.5 + 0.25 + 1.5, abs=0.01)
+
+
+def test_a_bus_lane_alone_on_its_road_has_no_broad_line() -> None:
+    road = scenarios.parse('base = "straight"\nschema = 1\n[road]\nlanes = 1\n[ego]\nlane = 1\n', "one.toml")
+    env = FourLane(road, frames=False)
+    env.reset(seed=0)
+    plain, bus = (
+        sum(np.count_nonzero(batch.values == LINE) for batch in painted(lane_shapes(env.road), 0, look) if batch.thin)
+        for look in (RoadAppearance(), RoadAppearance(bus_lane=True))
+    )
+    assert plain == bus
+
+
 def test_marks_brighten_the_lanes_alone() -> None:
     plain, marked = (frame(f"marks = {value}", "clear").astype(int) for value in ("false", "true"))
     change = (marked - plain).max(axis=2)
