@@ -160,7 +160,7 @@ def recorded(options: argparse.Namespace, made_from: str, decisions: int, wall_h
     """The manifest with the record of the training."""
     training = Training(
         command=f"python examples/train_ppo.py FOLDER --steps {options.steps} --shrink {options.shrink} "
-        f"--seed {options.seed}",
+        f"--seed {options.seed} --workers {options.workers} --steps-of-an-update {options.steps_of_an_update}",
         commit=made_from,
         scenarios=SCENARIOS,
         weathers=WEATHERS,
@@ -169,6 +169,12 @@ def recorded(options: argparse.Namespace, made_from: str, decisions: int, wall_h
         wall_h=round(wall_h, 2),
     )
     return replace(MANIFEST, training=training)
+
+
+def _positive(text: str) -> int:
+    if not text.isdecimal() or int(text) == 0:
+        raise argparse.ArgumentTypeError(f"expected a whole number from 1 up, got {text!r}")
+    return int(text)
 
 
 def _seeds(text: str) -> range:
@@ -181,10 +187,12 @@ def _seeds(text: str) -> range:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("out", type=Path, metavar="FOLDER")
-    parser.add_argument("--steps", type=int, default=250_000, help="decisions, at 10 a second")
-    parser.add_argument("--steps-of-an-update", type=int, default=1024, help="of each process")
-    parser.add_argument("--shrink", type=int, default=1, help="draw pictures so many times larger, and average them")
+    parser.add_argument("--steps", type=_positive, default=250_000, help="decisions, at 10 a second")
+    parser.add_argument("--steps-of-an-update", type=_positive, default=1024, help="of each process")
+    parser.add_argument(
+        "--shrink", type=_positive, default=1, help="draw pictures so many times larger, and average them"
+    )
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--test-seeds", type=_seeds, default="900:905", help="of the drives after training")
-    parser.add_argument("--workers", type=int, default=2, help="processes that drive")
+    parser.add_argument("--workers", type=_positive, default=2, help="processes that drive")
     main(parser.parse_args())

@@ -20,6 +20,7 @@ from typing import Any
 import cv2
 import numpy as np
 
+from vpf_sim import drivers
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.analysis.text_table import text_table
 from vpf_sim.evaluation.processes.threads import limit_opencv
@@ -84,7 +85,7 @@ def main() -> None:
     shared = os.environ.get("VPF_SIM_SHARED", "../shared")
     parser.add_argument("--drives", type=Path, default=Path(shared) / "drives", help="folder of the drives")
     parser.add_argument("--only", nargs="*", choices=list(reference_streets.STREETS), help="drives; all by default")
-    parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2], help="of the twins")
+    parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2], help="of the twins, each once")
     parser.add_argument("--perception", action="store_true", help="replay a driver on recording and twin")
     parser.add_argument("--driver", default="vpf", help="that is replayed; vpf by default")
     parser.add_argument("--out", type=Path, help="new folder for twins, images and the driver's frames")
@@ -92,8 +93,11 @@ def main() -> None:
     arguments = parser.parse_args()
     if arguments.out is not None and arguments.out.exists():
         parser.error(f"--out: expected a new folder, found {arguments.out}")
+    if len(set(arguments.seeds)) < len(arguments.seeds):
+        parser.error(f"--seeds: expected each seed once, got {arguments.seeds}")
     limit_opencv()
     try:
+        drivers.create(arguments.driver)
         with tempfile.TemporaryDirectory() as scratch:
             found = compare_all(arguments, arguments.out or Path(scratch))
     except InputError as error:
