@@ -12,20 +12,20 @@ import numpy as np
 
 from vpf_sim import drivers
 from vpf_sim.errors import InputError
-from vpf_sim.files import file_name
 from vpf_sim.geometry import distance_m
 from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.egomotion.focus_of_expansion import LEAST_CONFIDENCE
 from vpf_sim.planning import variant
 from vpf_sim.replay import (
     camera_fixed_points,
-    drive_warnings,
+    drive_record,
     driver_error,
     frame_table,
     reported_objects,
     road_speed,
     scores,
 )
+from vpf_sim.replay.drive_record import Accumulated
 from vpf_sim.replay.drive_video import DriveVideo
 from vpf_sim.replay.driver_error import DriverError
 from vpf_sim.replay.flow_derotation import EgoMotion, FlowDerotation
@@ -35,8 +35,8 @@ from vpf_sim.replay.obstacles_ahead import LeadVehicle, has_obstacle_in_corridor
 from vpf_sim.replay.open_loop_driver import Decision, OpenLoopDriver, open_loop_driver
 from vpf_sim.replay.recording import Recording
 from vpf_sim.replay.run_files import table_path, video_path
-from vpf_sim.replay.segments import Segment, goal_text, route, segments
-from vpf_sim.types import Camera, Command, Driver, DriverSetup, Floats, Image, Observation, VehicleModel
+from vpf_sim.replay.segments import Segment, route, segments
+from vpf_sim.types import Camera, Command, Driver, DriverSetup, Image, Observation, VehicleModel
 
 OWN_VARIANT = "robust"  # its flow is used without recorded rotation
 LEAST_SPEED_MPS = 2.0  # above this the flow must show a direction
@@ -68,24 +68,6 @@ class Clock:
             "wall_s": perf_counter() - self.began_s,
         }
         return {"name": recording.name, **{key: scores.rounded(value) for key, value in entry.items()}}
-
-
-@dataclass(slots=True)
-class Accumulated:
-    """Values collected frame by frame for the whole drive."""
-
-    fixed_points: camera_fixed_points.CameraFixedPoints
-    rows: list[FrameRow] = field(default_factory=list)
-    error: DriverError | None = None  # that ended the drive
-    speed_votes: list[tuple[float, Floats]] = field(default_factory=list)  # (time s, m/s)
-    faults: list[str] = field(default_factory=list)  # why images are missing
-
-    def notes(self) -> list[str]:
-        """Why there are gaps, in one line."""
-        if not self.faults:
-            return []
-        more = len(self.faults) - 1
-        return [f"gaps: {self.faults[0]}" + (f", and {more} more" if more else "")]
 
 
 def run(
@@ -121,11 +103,7 @@ def run(
         table = FrameTable.of(accumulated.rows)
         table = table.replaced("flow_speed_mps", road_speed.speed(table.time_s, accumulated.speed_votes))
         frame_table.write(table, table_path(out, recording.name))
-        record = _record(recording, driver_name, replayed, table)
-        record["notes"] += accumulated.notes()
-        record["error"] = accumulated.error.entry() if accumulated.error else None
-        lane_widths_m = table.lane_width_m[np.isfinite(table.lane_width_m)].tolist()
-        record["warnings"] = drive_warnings.collect(recording, record, accumulated.fixed_points, lane_widths_m)
+        record = drive_record.of(recording, driver_name, replayed, table, accumulated)
         timing = clock.entry(recording)
         store(record, timing)
     return record, timing
@@ -290,54 +268,4 @@ def _ego_columns(motion: EgoMotion) -> dict[str, float]:
         "own_foe_x_px": motion.expansion.x_px if usable else nan,
         "own_foe_y_px": motion.expansion.y_px if usable else nan,
         "flow_yaw_rate_radps": motion.yaw_rate_radps,
-    }
-
-
-def _added(recording: Recording) -> str | None:
-    """What was simulated on top of the recording, if anything."""
-    origins = [recording.origins[name] for name in ("weather", "sensor_faults") if name in recording.origins]
-    return "; ".join(origin.how for origin in origins if origin.kind != "recorded") or None
-
-
-def _record(recording: Recording, driver_name: str, replayed: OpenLoopDriver, table: FrameTable) -> dict[str, Any]:
-    """The drive's record, a function of recording, driver and code."""
-    camera = recording.camera
-    labelled = bool(np.isfinite(recording.obstacle).any())
-    return {
-        "name": recording.name,
-        "file": file_name(recording.name),
-        "driver": driver_name,
-        "layout": recording.layout,
-        "weather": recording.weather,
-        "added": _added(recording),
-        "frames": len(table),
-        "held": int(np.count_nonzero(table.held == 1.0)),
-        "gaps": int(np.count_nonzero(table.image == 0.0)),
-        "rate_hz": scores.rounded(recording.rate_hz),
-        "foe_median_error_px": scores.foe_error(table, "foe"),
-        "foe_median_error_own_derotation_px": scores.foe_error(table, "own_foe"),
-        "accuracy": scores.accuracies(table, recording),
-        "perception": scores.perception(table, recording),
-        "signal_checks": scores.signal_checks(recording),
-        "derived": list(recording.derived),
-        "origins": {name: {"kind": origin.kind, "how": origin.how} for name, origin in recording.origins.items()},
-        "obstacles_by": "label"
-        if labelled
-        else "own detection"
-        if np.isfinite(table.obstacle_detected).any()
-        else None,
-        "goal": goal_text(recording),
-        "protocol": replayed.protocol,
-        "segments": int(table.segment.max(initial=-1.0)) + 1,
-        "restarts": replayed.restarts,
-        "camera": {
-            "width_px": camera.width_px,
-            "height_px": camera.height_px,
-            "focal_px": scores.rounded(camera.fx_px),
-            "height_m": scores.rounded(camera.height_m),
-        },
-        "mounting": drive_warnings.mounting(recording) or None,
-        "notes": [*recording.notes, *scores.notes(table, recording)],
-        "driven": bool(np.isfinite(table.throttle).any()),
-        "no_images": recording.no_images or None,
     }
