@@ -33,7 +33,7 @@ types: install
 unit slow: export OPENBLAS_NUM_THREADS := 1
 
 unit: install
-	$(BIN)/python -m pytest -n 2
+	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 slow: install
 	$(BIN)/python -m pytest -m slow

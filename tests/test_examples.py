@@ -15,7 +15,7 @@ EXAMPLES = Path(__file__).parents[1] / "examples"
 TRAINING = {"train_bc", "train_ppo"}  # take minutes and the extra `learn`: tests/test_behaviour_cloning.py
 SCRIPTS = sorted(path for path in EXAMPLES.glob("*.py") if path.stem not in TRAINING)
 NOTEBOOKS = sorted(EXAMPLES.glob("*.ipynb"))
-QUICK = {"drive_from_python", "gym_loop_with_wrappers"}  # the others run with the slow tests
+QUICK = {"gym_loop_with_wrappers"}  # the others run with the slow tests
 MOST_LINES, MOST_BYTES = 60, 300_000
 
 

@@ -15,6 +15,7 @@ BEFORE = -1  # the period before the first
 TARGET = 112.0  # mean grey level that the exposure control wants
 WEAKEST, STRONGEST = 0.6, 1.7  # gains
 TEXT_SHARE, TEXT_AT = 0.028, 0.015  # height of the text and distance from the edges, of the picture's height
+LEAST_SHIFT_PX = 0.1  # of the first or last row; less cannot be seen, and costs as much
 KMPH = 3.6
 
 
@@ -66,6 +67,8 @@ class Recorder:
             return frame
         turned_rad = wrap_angle(now.view.yaw_rad - before.view.yaw_rad)
         shear = self._fx_px * turned_rad / gap_s * self._readout_s / self._height_px  # px a row
+        if abs(shear) * self._height_px < 2.0 * LEAST_SHIFT_PX:
+            return frame
         matrix = np.array([[1.0, -shear, shear * self._cy_px], [0.0, 1.0, 0.0]])
         size = (frame.shape[1], frame.shape[0])
         return np.asarray(cv2.warpAffine(frame, matrix, size, borderMode=cv2.BORDER_REPLICATE), np.uint8)
