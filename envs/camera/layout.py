@@ -139,9 +139,14 @@ class Edge:
         """(M, 2) world points outside the edge, at a distance or at (M, 1) distances."""
         return self.points_m + outward_m * self.outward
 
+    @property
+    def stations_m(self) -> Floats:
+        """(M,) m from the first point along the edge."""
+        return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(self.points_m, axis=0), axis=1))])
+
     def resampled(self, step_m: float) -> "Edge":
         """The edge with points `step_m` apart."""
-        along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(self.points_m, axis=0), axis=1))])
+        along = self.stations_m
         s = np.linspace(0.0, along[-1], max(2, round(along[-1] / step_m) + 1))
         outward = interpolated(s, along, self.outward)
         outward /= np.linalg.norm(outward, axis=1, keepdims=True)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.ground import street
+from vpf_sim.envs.camera.ground.hatching import hatching
 from vpf_sim.envs.camera.ground.road_marks import bus_words, road_marks
 from vpf_sim.envs.camera.ground.wear import (
     FLAKE_RANGE_M,
@@ -49,44 +50,62 @@ class Batch:
 
 def painted(shapes: list[LaneShape], seed: int, look: RoadAppearance) -> list[Batch]:
     """All batches in drawing order."""
-    rng = stream(seed, "asphalt")
-    marks = lines(shapes)
-    outer = outer_edges(shapes)
+    rng, outer = stream(seed, "asphalt"), outer_edges(shapes)
+    batches = [*_surfaces(shapes, outer, rng, look), *_markings(shapes, outer, seed, rng, look)]
+    return [batch for batch in batches if len(batch.values)]
+
+
+def _surfaces(
+    shapes: list[LaneShape], outer: list[Edge], rng: np.random.Generator, look: RoadAppearance
+) -> list[Batch]:
+    """Shoulders, pavements, lanes with their wear, and tram rails."""
     beside_m = PAVED_SHOULDER_M + GRAVEL_SHOULDER_M
     far_shoulders = [(edge.at(-0.3), edge.at(beside_m), GRAVEL) for edge in outer]
     shoulders = [_ragged(edge, beside_m, 0.28, GRAVEL, rng) for edge in outer]
     kerbs = [strip for edge in outer for strip in street.kerbs(edge)] if look.kerbs else []
-    bus_lanes = street.outermost(shapes, outer, "right") if look.bus_lane else []
     tram_lanes = street.outermost(shapes, outer, "left") if look.tram_rails else []
     paved = [(edge.at(-0.3), edge.at(PAVED_SHOULDER_M), ASPHALT - 4) for edge in outer]
-    surfaces = [(shape.left_m, shape.right_m, ASPHALT + int(rng.integers(-2, 3))) for shape in shapes]
-    bus_surfaces = [(shape.left_m, shape.right_m, street.BUS_LANE) for shape in bus_lanes]
-    solid = [ribbon for line in marks if not line.striped for ribbon in _solid(line, outer, look)]
-    beside_bus = [Line(shape.s_m, shape.left_m, striped=False) for shape in bus_lanes]
-    solid += [_ribbon(line, BROAD_LINE_M) for line in beside_bus if not street.is_outer(line.points_m, outer, 0.01)]
-    rails = [strip for shape in tram_lanes for strip in street.tram_rails(shape)]
-    striped = np.concatenate([np.empty((0, 6, 2)), *(_stripe_polygons(line, look) for line in marks if line.striped)])
+    lanes = [(shape.left_m, shape.right_m, ASPHALT + int(rng.integers(-2, 3))) for shape in shapes]
+    bus_lanes = [(shape.left_m, shape.right_m, street.BUS_LANE) for shape in _bus_lanes(shapes, outer, look)]
     polished = [(left, right, ASPHALT + tone) for left, right, tone in tracks(shapes)]
     coarse, coarse_tones = coarse_wear(shapes, rng)
     fine, fine_tones = fine_wear(shapes, rng)
-    paint = LINE - np.minimum(np.abs(np.rint(rng.normal(0.0, FADED, len(striped)))), 3 * FADED).astype(np.int64)
-    symbols = road_marks(shapes, stream(seed, "road marks"), bus_lanes) if look.marks else bus_words(bus_lanes)
-    batches = [
+    return [
         _strips(far_shoulders, thin=False),
         _strips(shoulders, thin=False, range_m=RAGGED_RANGE_M),
-        _strips(paved + surfaces + bus_surfaces, thin=False),
+        _strips(paved + lanes + bus_lanes, thin=False),
         _strips(kerbs, thin=False),
         _strips(polished, thin=False, range_m=WEAR_RANGE_M),
         _separate(coarse, ASPHALT + coarse_tones, thin=False, range_m=WEAR_RANGE_M),
         _separate(fine, ASPHALT + fine_tones, thin=True, range_m=WEAR_RANGE_M),
-        _strips(rails, thin=True),
+        _strips([strip for shape in tram_lanes for strip in street.tram_rails(shape)], thin=True),
+    ]
+
+
+def _markings(
+    shapes: list[LaneShape], outer: list[Edge], seed: int, rng: np.random.Generator, look: RoadAppearance
+) -> list[Batch]:
+    """Lines, symbols and hatched areas, with what has flaked off the lines."""
+    marks, bus_lanes = lines(shapes), _bus_lanes(shapes, outer, look)
+    solid = [ribbon for line in marks if not line.striped for ribbon in _solid(line, outer, look)]
+    beside_bus = [Line(shape.s_m, shape.left_m, striped=False) for shape in bus_lanes]
+    solid += [_ribbon(line, BROAD_LINE_M) for line in beside_bus if not street.is_outer(line.points_m, outer, 0.01)]
+    striped = np.concatenate([np.empty((0, 6, 2)), *(_stripe_polygons(line, look) for line in marks if line.striped)])
+    paint = LINE - np.minimum(np.abs(np.rint(rng.normal(0.0, FADED, len(striped)))), 3 * FADED).astype(np.int64)
+    symbols = road_marks(shapes, stream(seed, "road marks"), bus_lanes) if look.marks else bus_words(bus_lanes)
+    if look.hatching:
+        symbols = np.concatenate([symbols, hatching(outer, stream(seed, "hatching"))])
+    return [
         _strips([(a, b, LINE) for a, b in solid], thin=True),
         _separate(striped, paint, thin=True),
         # each is a strip of its own: parts of a symbol overlap, and fillPoly would cut overlaps out
         Batch(symbols, np.full(len(symbols), LINE - FADED), np.arange(len(symbols)), thin=False),
         _separate(worn := flakes(marks, rng), np.full(len(worn), ASPHALT - 3), thin=False, range_m=FLAKE_RANGE_M),
     ]
-    return [batch for batch in batches if len(batch.values)]
+
+
+def _bus_lanes(shapes: list[LaneShape], outer: list[Edge], look: RoadAppearance) -> list[LaneShape]:
+    return street.outermost(shapes, outer, "right") if look.bus_lane else []
 
 
 def _ragged(

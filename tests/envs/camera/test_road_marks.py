@@ -5,15 +5,18 @@ import numpy as np
 import pytest
 
 from vpf_sim import scenarios
+from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.camera.ground.cast_shadows import shadow_batches
+from vpf_sim.envs.camera.ground.hatching import hatching
 from vpf_sim.envs.camera.ground.paint import LINE, painted
 from vpf_sim.envs.camera.ground.road_marks import road_marks
 from vpf_sim.envs.camera.ground.words import LETTERS, WORD_M, WORDS, word
-from vpf_sim.envs.camera.layout import lane_shapes, lines, stripes
+from vpf_sim.envs.camera.layout import lane_shapes, lines, outer_edges, stripes
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.weather import PRESETS
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.scenarios.parts import RoadAppearance
+from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Image
 
 ROAD = """
@@ -85,6 +88,46 @@ def test_a_bus_lane_alone_on_its_road_has_no_broad_line() -> None:
         for look in (RoadAppearance(), RoadAppearance(bus_lane=True))
     )
     assert plain == bus
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_hatched_areas_narrow_the_outermost_lanes(seed: int) -> None:
+    env = FourLane("straight", frames=False)
+    env.reset(seed=0)
+    polygons = hatching(outer_edges(lane_shapes(env.road)), np.random.default_rng(seed))
+    along, across = env.road.network.centre.local(polygons)
+    inwards = env.road.network.half_width_m - np.abs(across)
+    assert inwards.min() > -0.01
+    assert inwards.max() == pytest.approx(1.2 + 0.15, abs=0.01)
+    for side in (-1.0, 1.0):
+        here = np.sign(across.mean(axis=1)) == side
+        ends = np.sort(along[here].max(axis=1))
+        assert 30.0 < np.diff(ends).max() < 90.0, "free road between the areas"
+        bars = here & (np.ptp(inwards, axis=1) > 1.15)
+        assert np.count_nonzero(bars) > 20
+        assert np.ptp(along[bars], axis=1) == pytest.approx(0.4 + np.ptp(inwards[bars], axis=1), abs=0.01), "45 deg"
+
+
+def test_hatching_is_seen_within_the_lane() -> None:
+    env = FourLane("straight", frames=False)
+    env.reset(seed=4)
+    polygons = hatching(outer_edges(lane_shapes(env.road)), stream(4, "hatching"))
+    along, across = env.road.network.centre.local(polygons)
+    bars = (np.ptp(across, axis=1) > 1.15) & (across.mean(axis=1) > 0.0)
+    start = along[bars & (along.min(axis=1) > 20.0)].min()
+    look = f"[ego]\nlane = 1\ns_m = {start - 15.0}\n[road.look]\nhatching = "
+    plain, hatched = (frame_of(look + value).astype(int) for value in ("false", "true"))
+    change = (hatched - plain).max(axis=2)
+    assert (change[:239] == 0).all()
+    assert (change[240:, 320:] > 40).sum() > 2_000
+    assert (change[300:, :300] > 40).sum() == 0
+
+
+def frame_of(keys: str) -> Image:
+    """The first frame on a straight road of four lanes, without sensor noise."""
+    scenario = scenarios.parse(f'base = "straight"\nschema = 1\n{keys}', "look.toml")
+    env = FourLane(scenario, "clear", rig=Rig(noise_sd=0.0))
+    return np.asarray(env.reset(seed=4)[0]["image"])
 
 
 def test_marks_brighten_the_lanes_alone() -> None:

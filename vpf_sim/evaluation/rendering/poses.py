@@ -123,11 +123,11 @@ POSES = (
     ),
     Pose(
         "street",
-        "a bus lane, tram rails and kerbs; the door of a parked car",
+        "a bus lane, tram rails, kerbs and hatching; the door of a parked car",
         "straight",
         s_m=60.0,
         lane=3,
-        look=RoadAppearance(bus_lane=True, tram_rails=True, kerbs=True, double_lines=True),
+        look=RoadAppearance(bus_lane=True, tram_rails=True, kerbs=True, double_lines=True, hatching=True),
         objects=(
             _body("car", 74.0, 2, -0.4),
             _body("door", 74.5, 2, -1.8, manoeuvres=({"after_s": 0.0, "lateral_m": -1.85, "lateral_mps": 1.0},)),
