@@ -333,6 +333,7 @@ class RoadEdges:
     lane_m: float  # middle of the own lane, + is right of the pose
     lane_width_m: float
     lane_confidence: float = 0.0  # that the own lane's lines are where they are told, whichever are the edges: 0 .. 1
+    oncoming_m: float = 0.0  # width of the lanes of oncoming traffic, left of left_m
 
 
 class PointFeatures(Protocol):

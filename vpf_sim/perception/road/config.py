@@ -160,6 +160,12 @@ class HypothesesConfig:
     other_lane: float = setting("prior of another first lane against the likely one", gt=0.0, le=1.0)
     switch_odds: float = setting("by which a hypothesis must be likelier to replace the current one", ge=1.0)
     beside_m: float = setting("largest distance of the pose to the carriageway", ge=0.0)
+    two_way: float | None = setting(
+        "prior of lanes of oncoming traffic beyond a solid line on the left; none: there are none",
+        default=None,
+        gt=0.0,
+        le=1.0,
+    )
     ground: GroundConfig | None = setting("compare the ground beside the own lane with its own", default=None)
     lasting: LastingConfig | None = setting("change the hypothesis only for lasting evidence", default=None)
 

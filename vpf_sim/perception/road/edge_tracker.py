@@ -187,6 +187,7 @@ class RoadEdgeTracker:
             lane_m=0.5 * width - place,
             lane_width_m=width,
             lane_confidence=lane_certain,
+            oncoming_m=self._index.oncoming * width,
         )
 
     def _lane_confidence(self, tracked: LaneFilter) -> float:
