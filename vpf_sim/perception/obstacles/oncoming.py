@@ -1,8 +1,8 @@
 """Points of oncoming traffic, which look as if they stood nearer and hung in the air.
 
-A vehicle at the depth Z that comes at u towards a car at v is triangulated as if it stood, at Z v / (v + u): the time to
-contact is right, the place is not, and no motion of its image tells the two apart. But its foot is on the road at Z, so
-it seems to hang at the height h u / (v + u), with the camera at h. What stands has something below.
+A vehicle at the depth Z that comes at u towards a car at v is triangulated as if it stood, at Z v / (v + u): the time
+to contact is right, the place is not, and no motion of its image tells the two apart. But its foot is on the road at Z,
+so it seems to hang at the height h u / (v + u), with the camera at h. What stands has something below.
 """
 
 import numpy as np

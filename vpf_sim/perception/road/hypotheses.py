@@ -66,7 +66,7 @@ class CarriagewayHypotheses:
         """Before any evidence: the likely number of lanes, and the car's lane, counted from the right."""
         two_way, own = FAR < LEFT, RIGHT - LEFT
         prior = np.where(own == np.where(two_way, 1, lanes), 0.0, np.log(config.other_lanes))
-        prior += np.where(two_way | (RIGHT == lane), 0.0, np.log(config.other_lane))
+        prior += np.where(two_way | (lane == RIGHT), 0.0, np.log(config.other_lane))
         prior[two_way] += -np.inf if config.two_way is None else np.log(config.two_way)
         return cls(prior, np.zeros(len(ROADS)), ROADS.tolist().index([lane - lanes, lane, lane - lanes]), config)
 
