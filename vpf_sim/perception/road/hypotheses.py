@@ -63,9 +63,13 @@ class CarriagewayHypotheses:
 
     @classmethod
     def start(cls, lanes: int, lane: int, config: HypothesesConfig) -> "CarriagewayHypotheses":
-        """Before any evidence: the likely number of lanes, and the car's lane, counted from the right."""
+        """Before any evidence: the likely number of lanes on a road of one direction, and the car's lane on it.
+
+        Lanes count from the right.
+        """
         two_way, own = FAR < LEFT, RIGHT - LEFT
-        prior = np.where(own == np.where(two_way, 1, lanes), 0.0, np.log(config.other_lanes))
+        usual = np.where(two_way, LEFT - FAR, lanes)  # as many lanes either way
+        prior = np.where(own == usual, 0.0, np.log(config.other_lanes))
         prior += np.where(two_way | (lane == RIGHT), 0.0, np.log(config.other_lane))
         prior[two_way] += -np.inf if config.two_way is None else np.log(config.two_way)
         return cls(prior, np.zeros(len(ROADS)), ROADS.tolist().index([lane - lanes, lane, lane - lanes]), config)
