@@ -68,9 +68,9 @@ class CarriagewayHypotheses:
         Lanes count from the right.
         """
         two_way, own = FAR < LEFT, RIGHT - LEFT
-        usual = np.where(two_way, LEFT - FAR, lanes)  # as many lanes either way
-        prior = np.where(own == usual, 0.0, np.log(config.other_lanes))
-        prior += np.where(two_way | (lane == RIGHT), 0.0, np.log(config.other_lane))
+        prior = np.where(two_way | (own == lanes), 0.0, np.log(config.other_lanes))
+        usual = np.where(two_way, own == LEFT - FAR, lane == RIGHT)  # as many lanes either way
+        prior += np.where(usual, 0.0, np.log(config.other_lane))
         prior[two_way] += -np.inf if config.two_way is None else np.log(config.two_way)
         return cls(prior, np.zeros(len(ROADS)), ROADS.tolist().index([lane - lanes, lane, lane - lanes]), config)
 
