@@ -13,6 +13,7 @@ from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.types import RoadEdges
 
+WEATHERS = ("clear", "rain", "ClearNight")
 BEGINS, ENDS = 150, 300  # frames; 14 m are enough to know the road
 
 
@@ -34,16 +35,24 @@ def tracked(scenario: str, weather: str, seed: int, frames: int) -> list[RoadEdg
     return seen[BEGINS:]
 
 
-@pytest.mark.parametrize("weather", ["clear", "rain", "ClearNight"])
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize(
+    ("seed", "weather"),
+    [(0, "clear"), (1, "rain"), *(pytest.param(k, w, marks=pytest.mark.slow) for k in (2, 3) for w in WEATHERS)],
+)
 def test_the_solid_line_before_oncoming_traffic_is_the_left_edge(seed: int, weather: str) -> None:
     roads = tracked('base = "oncoming"\nschema = 1\nbodies = []\n', weather, seed, ENDS)
     assert np.mean([abs(road.oncoming_m - 3.5) < 0.3 for road in roads]) > 0.9
     assert np.mean([abs(road.right_m - road.left_m - 3.5) < 0.3 for road in roads]) > 0.9
 
 
-@pytest.mark.parametrize("weather", ["clear", "rain"])
-@pytest.mark.parametrize("base", ["town04-clean", "curve-left", "straight"])
+@pytest.mark.parametrize(
+    ("base", "weather"),
+    [
+        ("curve-left", "clear"),
+        ("town04-clean", "rain"),
+        *(pytest.param(base, w, marks=pytest.mark.slow) for base in ("straight", "town04") for w in WEATHERS),
+    ],
+)
 def test_a_road_of_one_direction_has_none(base: str, weather: str) -> None:
     roads = tracked(f'base = "{base}"\nschema = 1\n', weather, 2, ENDS)
     assert not any(road.oncoming_m for road in roads)
