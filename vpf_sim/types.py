@@ -320,8 +320,9 @@ class Obstacles(LateralExtents):
 class RoadEdges:
     """The carriageway about the vehicle, seen by the camera; distances across the road, at the pose.
 
-    `right_m` > 0 and `left_m` < 0 while the pose is on the carriageway. The own lane is that in which the vehicle was
-    when it first saw the road; in the paper's terms, y = -lane_m, y_r = right_m - lane_m.
+    On a road of two directions it has the lanes of ours alone, up to the solid line at `left_m`. `right_m` > 0 and
+    `left_m` < 0 while the pose is on it. The own lane is that in which the vehicle was when it first saw the road; in
+    the paper's terms, y = -lane_m, y_r = right_m - lane_m.
     """
 
     left_m: float
