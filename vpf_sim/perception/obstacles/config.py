@@ -142,9 +142,11 @@ class OncomingConfig:
     """Points that hang in the air before the lanes of oncoming traffic."""
 
     hangs_m: float = setting("least height", gt=0.0)
-    across_m: float = setting("largest distance across of a point below", gt=0.0)
-    along_share: float = setting("its largest distance along the road, as a share of the depth", gt=0.0)
-    farther: tuple[float, ...] = setting("how many times as far a vehicle may be", min_length=1)
+    across_m: float = setting("largest distance across of points of one body", gt=0.0)
+    lowest_m: float = setting("height above which a point below is no point of the road", gt=0.0)
+    along_share: float = setting("share of the depth by which points of one body differ at most", gt=0.0)
+    nearest_ratio: float = setting("by which the vehicle is farther than it seems, at least", gt=1.0)
+    farthest_ratio: float = setting("by which the vehicle is farther than it seems, at most", gt=1.0)
 
 
 @settings

@@ -8,25 +8,37 @@ so it seems to hang at the height h u / (v + u), with the camera at h. What stan
 import numpy as np
 
 from vpf_sim.perception.egomotion.triangulation import Triangulation
-from vpf_sim.perception.obstacles.config import OncomingConfig
+from vpf_sim.perception.obstacles.config import OncomingConfig, StaticObstacleConfig
 from vpf_sim.perception.road.geometry import carriageway_offsets
-from vpf_sim.types import Bools, Camera, Integers, RoadEdges
+from vpf_sim.types import Bools, Camera, Floats, Integers, RoadEdges
+
+RATIOS = 12  # of the depths that are tried
 
 
 def come_towards(
-    points: Triangulation, tall: Integers, above: Integers, road: RoadEdges, camera: Camera, config: OncomingConfig
+    points: Triangulation, tall: Integers, road: RoadEdges, camera: Camera, config: StaticObstacleConfig
 ) -> Bools:
-    """(n,) which of the points `tall` (n,), in the own lanes, hang above nothing before the lanes of oncoming traffic.
+    """(n,) which of the points `tall` (n,), in the own lanes, are of traffic in the lanes of the other direction."""
+    oncoming = config.oncoming
+    if oncoming is None or not road.oncoming_m or not len(tall):
+        return np.zeros(len(tall), np.bool_)
+    depth, right = points.depth_m[tall], points.right_m[tall]
+    stands = (points.chi2 < config.chi2_limit) & (points.sigma_m < config.depth_ratio * points.depth_m)
+    stands &= (points.height_m > oncoming.lowest_m) & (points.height_m < oncoming.hangs_m)
+    low = np.flatnonzero(stands)
+    below = np.abs(points.right_m[low] - right[:, None]) < oncoming.across_m
+    below &= np.abs(points.depth_m[low] - depth[:, None]) < oncoming.along_share * depth[:, None]
+    hangs = (points.height_m[tall] > oncoming.hangs_m) & ~below.any(axis=1)
+    before: Bools = _before_oncoming_lanes(depth, right, road, camera, oncoming)
+    return hangs & before
 
-    `above` (m,) are the points that may be what stands below them.
-    """
-    depth, right, height = points.depth_m[tall], points.right_m[tall], points.height_m[tall]
-    ratio = np.array(config.farther)
-    left, _ = carriageway_offsets(camera.forward_m + depth[:, None] * ratio, road)
-    aside = right[:, None] * ratio
-    before = ((aside < left) & (aside > left - road.oncoming_m)).any(axis=1)
-    low = above[points.height_m[above] < config.hangs_m]
-    below = np.abs(points.right_m[low] - right[:, None]) < config.across_m
-    below &= np.abs(points.depth_m[low] - depth[:, None]) < config.along_share * depth[:, None]
-    hangs: Bools = (height > config.hangs_m) & before & ~below.any(axis=1)
-    return hangs
+
+def _before_oncoming_lanes(
+    depth_m: Floats, right_m: Floats, road: RoadEdges, camera: Camera, config: OncomingConfig
+) -> Bools:
+    """(n,) whether the line of sight through a point leads on to the lanes of oncoming traffic."""
+    ratio = np.geomspace(config.nearest_ratio, config.farthest_ratio, RATIOS)
+    left, _ = carriageway_offsets(camera.forward_m + depth_m[:, None] * ratio, road)
+    aside = right_m[:, None] * ratio
+    before: Bools = ((aside < left) & (aside > left - road.oncoming_m)).any(axis=1)
+    return before

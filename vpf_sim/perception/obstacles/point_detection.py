@@ -66,8 +66,7 @@ class PointDetector:
         aside = points.right_m[rows]
         inside = (aside > left + config.edge_margin_m) & (aside < right - config.edge_margin_m)
         rows = rows[inside]
-        if config.oncoming is not None and road.oncoming_m > 0.0 and len(rows):
-            rows = rows[~come_towards(points, rows, np.flatnonzero(above), road, self._camera, config.oncoming)]
+        rows = rows[~come_towards(points, rows, road, self._camera, config)]
         return self._moving_as_placed(flow, points, rows[~self._are_far(flow, points, rows)])
 
     def _are_far(self, flow: Flow, points: Triangulation, rows: Integers) -> Bools:

@@ -175,7 +175,7 @@ class RoadEdgeTracker:
         place, width = float(state[0]), float(state[WIDTH])
         left, right = self._index.edges
         bend = curvature_ahead(state, self.config.report_ahead_m)
-        likely = self._index.probabilities(state)[self._index.current]
+        likely = self._index.of_these_edges(state)
         lane_certain = self._lane_confidence(tracked)
         return RoadEdges(
             left_m=left * width - place,

@@ -29,7 +29,7 @@ def _all_roads() -> Integers:
     roads = [
         (left, left + lanes, left - oncoming)
         for oncoming in range(MOST_ONCOMING + 1)
-        for lanes in range(1, MOST_LANES + 1)
+        for lanes in range(max(oncoming, 1), MOST_LANES + 1)
         for left in range(oncoming - MOST_LANES, 2)
         if 0 <= left + lanes <= MOST_LANES + 1
     ]
@@ -98,6 +98,11 @@ class CarriagewayHypotheses:
         likely = np.where(possible, self.log_odds + self.prior, -np.inf)
         weight = np.exp(likely - likely.max())
         return np.asarray(weight / weight.sum())
+
+    def of_these_edges(self, state: Floats) -> float:
+        """The probability that the edges are those of the current one, whatever lies beyond."""
+        same = (LEFT[self.current] == LEFT) & (RIGHT[self.current] == RIGHT)
+        return float(self.probabilities(state)[same].sum())
 
     def judge(self, state: Floats, ridges: RidgeMap, colour: Image, colour_view: BirdsEye) -> None:
         """Add the evidence of one frame; change the hypothesis if another one is far likelier for long enough."""
