@@ -20,7 +20,7 @@ def reported(vehicle_m: Floats, speed_mps: float, road: RoadEdges, frames: int) 
     return drive.run(tracker(), range(frames))
 
 
-@pytest.mark.parametrize("speed_mps", [-5.0, -8.0, -14.0])
+@pytest.mark.parametrize("speed_mps", [-5.0, -8.0, -14.0, -25.0])
 def test_a_car_that_comes_towards_us_is_in_its_own_lane(speed_mps: float) -> None:
     meets = int(100.0 / (SPEED_MPS - speed_mps) * 60.0)
     vehicle = body(100.0, -3.5, 1.8, 1.4, 16)
@@ -30,8 +30,13 @@ def test_a_car_that_comes_towards_us_is_in_its_own_lane(speed_mps: float) -> Non
     assert all((found.right_m > -1.75).all() for found in mistaken)
 
 
-@pytest.mark.parametrize("right_m", [-1.3, 0.0, 1.3])
-def test_what_stands_beside_the_solid_line_is_reported(right_m: float) -> None:
-    found = reported(body(40.0, right_m, 0.6, 1.7, 8), 0.0, ROAD, 280)
-    assert len(found[-1]) == 1
-    assert found[-1].middle_m[0] == pytest.approx(right_m, abs=0.25)
+@pytest.mark.parametrize(("width_m", "points"), [(0.6, 8), (0.5, 4), (1.8, 16)])
+@pytest.mark.parametrize("right_m", [-1.3, -0.4, 0.7])
+def test_what_stands_beside_the_solid_line_is_reported_as_soon(right_m: float, width_m: float, points: int) -> None:
+    """As on a road of one direction."""
+    standing = body(40.0, right_m, width_m, 1.7, points)
+    found, expected = (reported(standing, 0.0, road, 280) for road in (ROAD, ONE_WAY))
+    first, first_expected = (next(k for k, one in enumerate(many) if len(one)) for many in (found, expected))
+    assert (first - first_expected) * SPEED_MPS / 60.0 < 1.5
+    assert found[-1].left_m == pytest.approx(expected[-1].left_m, abs=0.2)
+    assert found[-1].right_m == pytest.approx(expected[-1].right_m, abs=0.2)

@@ -29,8 +29,7 @@ def come_towards(
     below = np.abs(points.right_m[low] - right[:, None]) < oncoming.across_m
     below &= np.abs(points.depth_m[low] - depth[:, None]) < oncoming.along_share * depth[:, None]
     hangs = (points.height_m[tall] > oncoming.hangs_m) & ~below.any(axis=1)
-    before: Bools = _before_oncoming_lanes(depth, right, road, camera, oncoming)
-    return hangs & before
+    return np.asarray(hangs & _before_oncoming_lanes(depth, right, road, camera, oncoming))
 
 
 def _before_oncoming_lanes(
