@@ -23,12 +23,11 @@ def come_towards(
     if oncoming is None or not road.oncoming_m or not len(tall):
         return np.zeros(len(tall), np.bool_)
     depth, right = points.depth_m[tall], points.right_m[tall]
-    stands = (points.chi2 < config.chi2_limit) & (points.sigma_m < config.depth_ratio * points.depth_m)
-    stands &= (points.height_m > oncoming.lowest_m) & (points.height_m < oncoming.hangs_m)
-    low = np.flatnonzero(stands)
-    below = np.abs(points.right_m[low] - right[:, None]) < oncoming.across_m
-    below &= np.abs(points.depth_m[low] - depth[:, None]) < oncoming.along_share * depth[:, None]
-    hangs = (points.height_m[tall] > oncoming.hangs_m) & ~below.any(axis=1)
+    sure = (points.chi2 < config.chi2_limit) & (points.sigma_m < config.depth_ratio * points.depth_m)
+    low = np.flatnonzero(sure & (points.height_m > oncoming.lowest_m) & (points.height_m < oncoming.hangs_m))
+    beside = np.abs(points.right_m[low] - right[:, None]) < oncoming.across_m
+    near = np.abs(points.depth_m[low] - depth[:, None]) < oncoming.along_share * depth[:, None]
+    hangs = (points.height_m[tall] > oncoming.hangs_m) & ~np.any(beside & near, axis=1)
     return np.asarray(hangs & _before_oncoming_lanes(depth, right, road, camera, oncoming))
 
 
