@@ -38,5 +38,4 @@ def _before_oncoming_lanes(
     ratio = np.geomspace(config.nearest_ratio, config.farthest_ratio, RATIOS)
     left, _ = carriageway_offsets(camera.forward_m + depth_m[:, None] * ratio, road)
     aside = right_m[:, None] * ratio
-    before: Bools = ((aside < left) & (aside > left - road.oncoming_m)).any(axis=1)
-    return before
+    return np.asarray(np.any((aside < left) & (aside > left - road.oncoming_m), axis=1))
