@@ -97,7 +97,8 @@ class RoadAppearance(Section):
     tram_rails: bool = Field(default=False, description="true: rails in the leftmost lane, also of oncoming traffic")
     kerbs: bool = Field(default=False, description="true: kerb stones and a pavement beside the road, drawn flat")
     hatching: bool = Field(
-        default=False, description="true: hatched areas that narrow the outermost lanes by up to 1.2 m"
+        default=False,
+        description="true: hatched areas that narrow the outermost lanes by 1.35 m, or less where lanes are narrow",
     )
     shadows: bool = Field(default=False, description="true: trees, posts, signs and gantries cast shadows in the sun")
 

@@ -93,11 +93,13 @@ def main() -> None:
     arguments = parser.parse_args()
     if arguments.out is not None and arguments.out.exists():
         parser.error(f"--out: expected a new folder, found {arguments.out}")
-    if len(set(arguments.seeds)) < len(arguments.seeds):
-        parser.error(f"--seeds: expected each seed once, got {arguments.seeds}")
+    for name, values in (("--seeds", arguments.seeds), ("--only", arguments.only or [])):
+        if len(set(values)) < len(values):
+            parser.error(f"{name}: expected each once, got {' '.join(map(str, values))}")
     limit_opencv()
     try:
-        drivers.create(arguments.driver)
+        if arguments.perception:
+            drivers.create(arguments.driver)
         with tempfile.TemporaryDirectory() as scratch:
             found = compare_all(arguments, arguments.out or Path(scratch))
     except InputError as error:

@@ -320,8 +320,9 @@ class Obstacles(LateralExtents):
 class RoadEdges:
     """The carriageway about the vehicle, seen by the camera; distances across the road, at the pose.
 
-    `right_m` > 0 and `left_m` < 0 while the pose is on the carriageway. The own lane is that in which the vehicle was
-    when it first saw the road; in the paper's terms, y = -lane_m, y_r = right_m - lane_m.
+    On a road of two directions it has the lanes of ours alone, up to the solid line at `left_m`. `right_m` > 0 and
+    `left_m` < 0 while the pose is on it. The own lane is that in which the vehicle was when it first saw the road; in
+    the paper's terms, y = -lane_m, y_r = right_m - lane_m.
     """
 
     left_m: float
@@ -333,6 +334,7 @@ class RoadEdges:
     lane_m: float  # middle of the own lane, + is right of the pose
     lane_width_m: float
     lane_confidence: float = 0.0  # that the own lane's lines are where they are told, whichever are the edges: 0 .. 1
+    oncoming_m: float = 0.0  # width of the lanes of oncoming traffic, left of left_m
 
 
 class PointFeatures(Protocol):

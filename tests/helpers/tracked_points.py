@@ -91,6 +91,19 @@ class Drive:
         return told
 
 
+class Traffic(Drive):
+    """A drive along the x axis among points that move along it at a speed each."""
+
+    def __init__(self, scene_m: Floats, speed_mps: Floats, noise_px: float = 0.05) -> None:
+        super().__init__(scene_m, noise_px)
+        self.start, self.speed = scene_m, speed_mps
+
+    def flow(self, frame: int) -> Flow:
+        self.scene = self.start.copy()
+        self.scene[:, 0] += self.speed * frame / RATE_HZ
+        return super().flow(frame)
+
+
 def body(forward_m: float, right_m: float, width_m: float, height_m: float, count: int) -> Floats:
     rng = stream(22, f"body {forward_m}")
     across = right_m + width_m * np.linspace(-0.5, 0.5, count)

@@ -35,12 +35,13 @@ def present_lane(road: RoadEdges, found: bool) -> RoadEdges:
     """
     if not found:
         reach = 0.5 * (road.right_m - road.left_m)
-        ahead = replace(road, left_m=-reach, right_m=reach, lane_m=0.0)
+        ahead = replace(road, left_m=-reach, right_m=reach, lane_m=0.0, oncoming_m=0.0)
         return replace(ahead, heading_rad=0.0, curvature_per_m=0.0, confidence=0.0)
     half = 0.5 * road.lane_width_m
     middle = (road.lane_m + half) % road.lane_width_m - half
     left, right = min(road.left_m, middle - half), max(road.right_m, middle + half)
-    return replace(road, lane_m=middle, left_m=left, right_m=right, confidence=road.lane_confidence)
+    beyond = max(road.oncoming_m + left - road.left_m, 0.0)
+    return replace(road, lane_m=middle, left_m=left, right_m=right, oncoming_m=beyond, confidence=road.lane_confidence)
 
 
 def road_in_vehicle_frame(road: RoadEdges, right_m: float, turn_rad: float) -> RoadEdges:

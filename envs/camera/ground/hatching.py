@@ -12,23 +12,29 @@ TAPER_M, FULL_M, WIDE_M = 12.0, 10.0, 1.2  # the area widens, keeps its width an
 BAR_M, BARS_EVERY_M = 0.4, 1.6  # along the road
 BORDER_M, PIECE_M = 0.15, 2.0  # width of the line about it, and length of its pieces
 LONG_M = 2.0 * TAPER_M + FULL_M
+LEFT_M = 2.0  # of a lane, at least
 
 
-def hatching(edges: list[Edge], rng: np.random.Generator) -> Floats:
-    """(n, 4, 2) m, polygons of the bars and of the line about them. The seed places the first area."""
-    parts: list[Floats] = []
-    for edge in edges:
-        starts = np.arange(rng.uniform(0.0, EVERY_M), float(edge.stations_m[-1]) - LONG_M, EVERY_M)
-        parts += [
-            part for start in starts.tolist() for part in _points(edge, np.concatenate([_bars(start), _border(start)]))
-        ]
+def hatching(edges: list[Edge], rng: np.random.Generator, lane_m: float) -> Floats:
+    """(n, 4, 2) m, polygons of the bars and of the line about them, for lanes of a width.
+
+    The seed places the first area. The areas of one edge lie between those of the next.
+    """
+    wide_m = min(WIDE_M, lane_m - BORDER_M - LEFT_M)
+    if wide_m < BORDER_M:
+        return np.empty((0, 4, 2))
+    first, parts = float(rng.uniform(0.0, EVERY_M)), []
+    for number, edge in enumerate(edges):
+        start = (first + 0.5 * EVERY_M * number) % EVERY_M
+        for at_m in np.arange(start, float(edge.stations_m[-1]) - LONG_M, EVERY_M).tolist():
+            parts += [*_points(edge, np.concatenate([_bars(at_m, wide_m), _border(at_m, wide_m)]))]
     return np.array(parts).reshape(-1, 4, 2)
 
 
-def _bars(start_m: float) -> Floats:
+def _bars(start_m: float, wide_m: float) -> Floats:
     """(n, 4, 2) bars at 45 deg as (along the edge, inwards) m."""
-    foot = np.arange(start_m, start_m + LONG_M - WIDE_M - BAR_M, BARS_EVERY_M)
-    wide = _width(foot - start_m)
+    foot = np.arange(start_m, start_m + LONG_M - wide_m - BAR_M, BARS_EVERY_M)
+    wide = _width(foot - start_m, wide_m)
     return np.stack(
         [
             _corner(foot, 0.0),
@@ -40,15 +46,15 @@ def _bars(start_m: float) -> Floats:
     )
 
 
-def _border(start_m: float) -> Floats:
+def _border(start_m: float, wide_m: float) -> Floats:
     """(n, 4, 2) pieces of the line between area and lane as (along the edge, inwards) m."""
     s = np.arange(0.0, LONG_M + 0.5 * PIECE_M, PIECE_M)
-    inner, outer = (_corner(start_m + s, _width(s) + line_m) for line_m in (BORDER_M, 0.0))
+    inner, outer = (_corner(start_m + s, _width(s, wide_m) + line_m) for line_m in (BORDER_M, 0.0))
     return np.stack([outer[:-1], outer[1:], inner[1:], inner[:-1]], axis=1)
 
 
-def _width(s_m: Floats) -> Floats:
-    return np.interp(s_m, [0.0, TAPER_M, TAPER_M + FULL_M, LONG_M], [0.0, WIDE_M, WIDE_M, 0.0])
+def _width(s_m: Floats, wide_m: float) -> Floats:
+    return np.interp(s_m, [0.0, TAPER_M, TAPER_M + FULL_M, LONG_M], [0.0, wide_m, wide_m, 0.0])
 
 
 def _corner(along_m: Floats, inwards_m: Floats | float) -> Floats:

@@ -94,7 +94,9 @@ def _markings(
     paint = LINE - np.minimum(np.abs(np.rint(rng.normal(0.0, FADED, len(striped)))), 3 * FADED).astype(np.int64)
     symbols = road_marks(shapes, stream(seed, "road marks"), bus_lanes) if look.marks else bus_words(bus_lanes)
     if look.hatching:
-        symbols = np.concatenate([symbols, hatching(outer, stream(seed, "hatching"))])
+        symbols = np.concatenate(
+            [symbols, hatching(outer, stream(seed, "hatching"), min(shape.width_m for shape in shapes))]
+        )
     return [
         _strips([(a, b, LINE) for a, b in solid], thin=True),
         _separate(striped, paint, thin=True),

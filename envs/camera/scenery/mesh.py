@@ -60,7 +60,7 @@ class MeshBuilder:
     distances: list[tuple[float, float]] = field(default_factory=list)
     part: int = 0
     drawn_m: tuple[float, float] = (0.0, np.inf)  # distance range of the following faces
-    _reflects: bool = False  # whether the following faces are retroreflective
+    _reflects: bool = field(default=False, init=False)  # whether the following faces are retroreflective
 
     def next_part(self) -> None:
         """Start a new convex part."""
@@ -69,9 +69,11 @@ class MeshBuilder:
     @contextmanager
     def retroreflective(self, reflects: bool = True) -> Iterator[None]:
         """Faces added in this context throw light back to where it comes from."""
-        self._reflects = reflects
-        yield
-        self._reflects = False
+        before, self._reflects = self._reflects, reflects
+        try:
+            yield
+        finally:
+            self._reflects = before
 
     def detail(
         self, panel: list[Point], low: tuple[float, float], high: tuple[float, float], colour: Colour, lit: bool = True

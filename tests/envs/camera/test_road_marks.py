@@ -94,7 +94,7 @@ def test_a_bus_lane_alone_on_its_road_has_no_broad_line() -> None:
 def test_hatched_areas_narrow_the_outermost_lanes(seed: int) -> None:
     env = FourLane("straight", frames=False)
     env.reset(seed=0)
-    polygons = hatching(outer_edges(lane_shapes(env.road)), np.random.default_rng(seed))
+    polygons = hatching(outer_edges(lane_shapes(env.road)), np.random.default_rng(seed), 3.5)
     along, across = env.road.network.centre.local(polygons)
     inwards = env.road.network.half_width_m - np.abs(across)
     assert inwards.min() > -0.01
@@ -108,10 +108,24 @@ def test_hatched_areas_narrow_the_outermost_lanes(seed: int) -> None:
         assert np.ptp(along[bars], axis=1) == pytest.approx(0.4 + np.ptp(inwards[bars], axis=1), abs=0.01), "45 deg"
 
 
+@pytest.mark.parametrize(("lane_m", "areas_m"), [(2.1, 0.0), (2.5, 0.5), (4.0, 1.35)])
+def test_hatching_leaves_two_metres_of_a_lane(lane_m: float, areas_m: float) -> None:
+    """Also of the only lane of a road, which has them on both sides, one after the other."""
+    road = f'base = "straight"\nschema = 1\n[road]\nlanes = 1\nlane_width_m = {lane_m}\n[ego]\nlane = 1\n[vary]\n'
+    env = FourLane(scenarios.parse(f'{road}"ego.lateral_m" = [0.0, 0.0]\n', "road.toml"), frames=False)
+    env.reset(seed=0)
+    polygons = hatching(outer_edges(lane_shapes(env.road)), np.random.default_rng(3), lane_m)
+    along, across = env.road.network.centre.local(polygons)
+    assert 0.5 * lane_m - np.abs(across).min(initial=0.5 * lane_m) == pytest.approx(areas_m, abs=0.01)
+    for s in np.arange(0.0, 200.0, 1.0):
+        here = (along.min(axis=1) <= s) & (along.max(axis=1) >= s)
+        assert len(set(np.sign(across[here].mean(axis=1)))) <= 1, "on one side at a time"
+
+
 def test_hatching_is_seen_within_the_lane() -> None:
     env = FourLane("straight", frames=False)
     env.reset(seed=4)
-    polygons = hatching(outer_edges(lane_shapes(env.road)), stream(4, "hatching"))
+    polygons = hatching(outer_edges(lane_shapes(env.road)), stream(4, "hatching"), 3.5)
     along, across = env.road.network.centre.local(polygons)
     bars = (np.ptp(across, axis=1) > 1.15) & (across.mean(axis=1) > 0.0)
     start = along[bars & (along.min(axis=1) > 20.0)].min()

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from driver_settings import moving_obstacles, optional_sections, without
-from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points, tracker
+from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, Traffic, body, road_points, tracker
 
 from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.egomotion.config import NoiseModel
@@ -26,19 +26,6 @@ def vehicle(forward_m: float, right_m: float, count: int = 16, width_m: float = 
     rear = np.column_stack([np.full(count, forward_m), across, rng.uniform(0.2, 1.4, count)])
     feet = [[forward_m, right_m + side * 0.5 * width_m, 0.12] for side in (-1.0, 1.0)]
     return np.concatenate([feet, rear])
-
-
-class Traffic(Drive):
-    """A drive along the x axis among points that move along it at a speed each."""
-
-    def __init__(self, scene_m: Floats, speed_mps: Floats, noise_px: float = 0.05) -> None:
-        super().__init__(scene_m, noise_px)
-        self.start, self.speed = scene_m, speed_mps
-
-    def flow(self, frame: int):  # type: ignore[no-untyped-def]
-        self.scene = self.start.copy()
-        self.scene[:, 0] += self.speed * frame / RATE_HZ
-        return super().flow(frame)
 
 
 class Seen:

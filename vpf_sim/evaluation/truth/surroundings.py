@@ -97,9 +97,12 @@ def _ahead(ego: Any) -> tuple[float, float]:
 
 
 def perceived_edges(road: RoadEdges) -> tuple[float, float]:
-    """The perceived counterpart of `true_edges`, extrapolated by the road's heading and curvature."""
+    """The perceived counterpart of `true_edges`, extrapolated by the road's heading and curvature.
+
+    The carriageway includes the lanes of oncoming traffic.
+    """
     shift = _shift_m(road)
-    return road.left_m + shift, road.right_m + shift
+    return road.left_m - road.oncoming_m + shift, road.right_m + shift
 
 
 def perceived_lane(road: RoadEdges) -> float:

@@ -138,6 +138,18 @@ class LoomingConsistencyConfig:
 
 
 @settings
+class OncomingConfig:
+    """Points that hang in the air before the lanes of oncoming traffic."""
+
+    hangs_m: float = setting("least height", gt=0.0)
+    across_m: float = setting("largest distance across of points of one body", gt=0.0)
+    lowest_m: float = setting("height above which a point below is no point of the road", gt=0.0)
+    along_share: float = setting("share of the depth by which points of one body differ at most", gt=0.0)
+    nearest_ratio: float = setting("by which the vehicle is farther than it seems, at least", gt=1.0)
+    farthest_ratio: float = setting("by which the vehicle is farther than it seems, at most", gt=1.0)
+
+
+@settings
 class StaticObstacleConfig:
     """Thresholds and time constants of the static obstacle tracker."""
 
@@ -185,6 +197,7 @@ class StaticObstacleConfig:
         "least way since a point's first observation, as a share of its depth: drops look near", default=None, gt=0.0
     )
     recent_motion: RecentMotionConfig | None = setting("a point's last motion must fit its place", default=None)
+    oncoming: OncomingConfig | None = setting("points of oncoming traffic are none", default=None)
     split: SplitConfig | None = setting("points behind and beside an obstacle are another", default=None)
     fragment: FragmentConfig | None = setting("fragments behind an obstacle are no obstacles", default=None)
     sharpest: SharpestConfig | None = setting("sides from the points seen from nearest", default=None)

@@ -9,6 +9,7 @@ from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.obstacles.config import StaticObstacleConfig
 from vpf_sim.perception.obstacles.looming_consistency import LoomingConsistency
 from vpf_sim.perception.obstacles.low_obstacles import is_low, off_lines
+from vpf_sim.perception.obstacles.oncoming import come_towards
 from vpf_sim.perception.obstacles.point_hypotheses import PointObservations, frames
 from vpf_sim.perception.road.geometry import carriageway_offsets
 from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, RoadEdges
@@ -65,6 +66,7 @@ class PointDetector:
         aside = points.right_m[rows]
         inside = (aside > left + config.edge_margin_m) & (aside < right - config.edge_margin_m)
         rows = rows[inside]
+        rows = rows[~come_towards(points, rows, road, self._camera, config)]
         return self._moving_as_placed(flow, points, rows[~self._are_far(flow, points, rows)])
 
     def _are_far(self, flow: Flow, points: Triangulation, rows: Integers) -> Bools:

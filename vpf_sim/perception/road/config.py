@@ -156,10 +156,18 @@ class HypothesesConfig:
     line_reach_m: float = setting("about the expected place, in which a line is searched", gt=0.0)
     kept: float = setting("share of the evidence kept from one judgement to the next", gt=0.0, lt=1.0)
     weight: float = setting("of the evidence of one judgement", gt=0.0, le=1.0)
-    other_lanes: float = setting("prior of another number of lanes against the likely one", gt=0.0, le=1.0)
-    other_lane: float = setting("prior of another first lane against the likely one", gt=0.0, le=1.0)
+    other_lanes: float = setting("prior of another number of lanes of a road of one direction", gt=0.0, le=1.0)
+    other_lane: float = setting(
+        "prior of another first lane; on a road of two directions, of fewer lanes the other way", gt=0.0, le=1.0
+    )
     switch_odds: float = setting("by which a hypothesis must be likelier to replace the current one", ge=1.0)
     beside_m: float = setting("largest distance of the pose to the carriageway", ge=0.0)
+    two_way: float | None = setting(
+        "prior of lanes of oncoming traffic beyond a solid line on the left; none: there are none",
+        default=None,
+        gt=0.0,
+        le=1.0,
+    )
     ground: GroundConfig | None = setting("compare the ground beside the own lane with its own", default=None)
     lasting: LastingConfig | None = setting("change the hypothesis only for lasting evidence", default=None)
 

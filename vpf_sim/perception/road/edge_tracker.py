@@ -175,7 +175,7 @@ class RoadEdgeTracker:
         place, width = float(state[0]), float(state[WIDTH])
         left, right = self._index.edges
         bend = curvature_ahead(state, self.config.report_ahead_m)
-        likely = self._index.probabilities(state)[self._index.current]
+        likely = self._index.of_these_edges(state)
         lane_certain = self._lane_confidence(tracked)
         return RoadEdges(
             left_m=left * width - place,
@@ -187,6 +187,7 @@ class RoadEdgeTracker:
             lane_m=0.5 * width - place,
             lane_width_m=width,
             lane_confidence=lane_certain,
+            oncoming_m=self._index.oncoming * width,
         )
 
     def _lane_confidence(self, tracked: LaneFilter) -> float:

@@ -1,7 +1,8 @@
 """Which of the road's lines are the edges of the carriageway: the lane of the car and the number of lanes.
 
 A hypothesis names the two lines that are the edges. Evidence is the kind of line at each place (solid edges, dashed
-lines within, none outside) and the ground between the lines: within the carriageway it looks like the ego's own lane.
+lines within, none outside) and the ground between the lines: within the carriageway it looks like the ego's own lane. A
+solid line that parts the ego's lanes from oncoming traffic is the left edge, too, with lanes and a solid line beyond.
 The number of lanes is known only as a prior; an edge that is not visible is where it likely is.
 """
 
@@ -15,30 +16,35 @@ from vpf_sim.perception.road.markings import RidgeMap, sight
 from vpf_sim.perception.road.model import WIDTH, seen_places
 from vpf_sim.types import Bools, Floats, Image, Integers
 
-MOST_LANES = 6
+MOST_LANES, MOST_ONCOMING = 6, 2
 NUMBERS: Floats = np.arange(-MOST_LANES - 1.0, MOST_LANES + 3.0)  # of the lines that are compared
 SOLID, DASHED, NONE = range(3)
 
 
-def _all_edges() -> Integers:
-    """(H, 2) the left and the right edge of every hypothesis: lines 0 and 1 hold the lane of the road when found."""
-    pairs = [
-        (left, left + lanes)
-        for lanes in range(1, MOST_LANES + 1)
-        for left in range(-MOST_LANES, 2)
+def _all_roads() -> Integers:
+    """(H, 3) left edge, right edge and far side of every hypothesis: the latter is left of the lanes that come towards.
+
+    Lines 0 and 1 hold the lane of the road when found.
+    """
+    roads = [
+        (left, left + lanes, left - oncoming)
+        for oncoming in range(MOST_ONCOMING + 1)
+        for lanes in range(max(oncoming, 1), MOST_LANES + 1)
+        for left in range(oncoming - MOST_LANES, 2)
         if 0 <= left + lanes <= MOST_LANES + 1
     ]
-    return np.array(pairs, np.int64)
+    return np.array(roads, np.int64)
 
 
 def _kinds() -> Integers:
     """(H, L) the kind of each line under each hypothesis."""
-    left, right = EDGES[:, :1], EDGES[:, 1:]
-    within = (left < NUMBERS) & (right > NUMBERS)
-    return np.where((left == NUMBERS) | (right == NUMBERS), SOLID, np.where(within, DASHED, NONE))
+    left, right, far = LEFT[:, None], RIGHT[:, None], FAR[:, None]
+    solid = (left == NUMBERS) | (right == NUMBERS) | (far == NUMBERS)
+    return np.where(solid, SOLID, np.where((far < NUMBERS) & (right > NUMBERS), DASHED, NONE))
 
 
-EDGES = _all_edges()
+ROADS = _all_roads()
+LEFT, RIGHT, FAR = ROADS.T
 KINDS = _kinds()
 
 
@@ -48,7 +54,7 @@ class CarriagewayHypotheses:
 
     prior: Floats  # (H,)
     log_odds: Floats  # (H,) of the evidence
-    current: int  # index in EDGES
+    current: int  # index in ROADS
     config: HypothesesConfig
     agreement: float | None = None  # 0 .. 1, share of the expected lines that is visible; None: nothing judged
     judgements: int = 0  # since the last change
@@ -57,32 +63,46 @@ class CarriagewayHypotheses:
 
     @classmethod
     def start(cls, lanes: int, lane: int, config: HypothesesConfig) -> "CarriagewayHypotheses":
-        """Before any evidence: the likely number of lanes, and the car's lane, counted from the right."""
-        prior = np.where(EDGES[:, 1] - EDGES[:, 0] == lanes, 0.0, np.log(config.other_lanes))
-        prior += np.where(EDGES[:, 1] == lane, 0.0, np.log(config.other_lane))
-        return cls(prior, np.zeros(len(EDGES)), EDGES.tolist().index([lane - lanes, lane]), config)
+        """Before any evidence: the likely number of lanes on a road of one direction, and the car's lane on it.
+
+        Lanes count from the right.
+        """
+        two_way, own = FAR < LEFT, RIGHT - LEFT
+        prior = np.where(two_way | (own == lanes), 0.0, np.log(config.other_lanes))
+        usual = np.where(two_way, own == LEFT - FAR, lane == RIGHT)  # as many lanes either way
+        prior += np.where(usual, 0.0, np.log(config.other_lane))
+        prior[two_way] += -np.inf if config.two_way is None else np.log(config.two_way)
+        return cls(prior, np.zeros(len(ROADS)), ROADS.tolist().index([lane - lanes, lane, lane - lanes]), config)
 
     @property
     def edges(self) -> tuple[int, int]:
         """Numbers of the lines that are the left and the right edge."""
-        left, right = EDGES[self.current].tolist()
-        return left, right
+        return int(LEFT[self.current]), int(RIGHT[self.current])
+
+    @property
+    def oncoming(self) -> int:
+        """Lanes of oncoming traffic beyond the left edge."""
+        return int(LEFT[self.current] - FAR[self.current])
 
     @property
     def numbers(self) -> Floats:
-        """Of all lines of the carriageway."""
-        left, right = self.edges
-        return np.arange(left, right + 1, dtype=float)
+        """Of all lines of the carriageway, with those of oncoming traffic."""
+        return np.arange(FAR[self.current], RIGHT[self.current] + 1.0)
 
     def probabilities(self, state: Floats) -> Floats:
         """(H,) of the hypotheses."""
         place, margin = state[0] / state[WIDTH], self.config.beside_m / state[WIDTH]
-        possible = (place > EDGES[:, 0] - margin) & (place < EDGES[:, 1] + margin)
+        possible = (place > LEFT - margin) & (place < RIGHT + margin)
         if not possible.any():
-            return np.full(len(EDGES), 1.0 / len(EDGES))
+            return np.full(len(ROADS), 1.0 / len(ROADS))
         likely = np.where(possible, self.log_odds + self.prior, -np.inf)
         weight = np.exp(likely - likely.max())
         return np.asarray(weight / weight.sum())
+
+    def of_these_edges(self, state: Floats) -> float:
+        """The probability that the edges are those of the current one, whatever lies beyond."""
+        same = (LEFT[self.current] == LEFT) & (RIGHT[self.current] == RIGHT)
+        return float(self.probabilities(state)[same].sum())
 
     def judge(self, state: Floats, ridges: RidgeMap, colour: Image, colour_view: BirdsEye) -> None:
         """Add the evidence of one frame; change the hypothesis if another one is far likelier for long enough."""
@@ -147,7 +167,7 @@ def _ground_evidence(
     like = 1.0 / (1.0 + (unlike / config.unlike_levels) ** 4)
     of_road = config.weight * np.log(road + (1.0 - road) * like)
     of_verge = config.weight * np.log(verge + (1.0 - verge) * (1.0 - like))
-    on_road = (NUMBERS[:-1] >= EDGES[:, :1]) & (NUMBERS[:-1] < EDGES[:, 1:])
+    on_road = (NUMBERS[:-1] >= FAR[:, None]) & (NUMBERS[:-1] < RIGHT[:, None])
     return np.asarray(np.where(on_road, np.where(known, of_road, 0.0), np.where(known, of_verge, 0.0)).sum(axis=1))
 
 
