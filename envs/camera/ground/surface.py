@@ -99,6 +99,8 @@ def _fill(canvas: Image, polygons: Polygons, indices: Indices, matrix: Floats) -
         corners, counts = _clipped(corners, inside, starts, ends)
         indices, counts = indices[counts > 0], counts[counts > 0]
         ends = np.cumsum(counts)
+    if not len(indices):
+        return  # all of them lie behind the camera
     fixed, stops = _fixed(corners), ends.tolist()
     outlines = [fixed[a:b] for a, b in zip([0, *stops], stops, strict=False)]
     last = [*(np.flatnonzero(np.diff(polygons.runs[indices])) + 1).tolist(), len(indices)]

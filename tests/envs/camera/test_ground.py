@@ -104,6 +104,16 @@ def test_a_strip_keeps_its_width(fine: tuple[int, int]) -> None:
     assert np.std(areas) < 0.1
 
 
+@pytest.mark.parametrize("beside_m", range(14, 28, 4))
+@pytest.mark.parametrize("heading_deg", [70.0, 90.0, 110.0, 120.0])
+def test_a_road_behind_the_camera_is_not_drawn(beside_m: int, heading_deg: float) -> None:
+    """A car that left the road drives on across the grass."""
+    view = View.at(Camera(), np.array([20.0, float(beside_m)]), np.radians(heading_deg))
+    frame = drawn(ground(straight_road()), view)[300:]
+    assert frame.min() > 0
+    assert frame.max() < 130, "nothing of the road's paint"
+
+
 @pytest.mark.parametrize("road", [straight_road(), bent_road()], ids=["straight", "bend"])
 def test_ground_does_not_depend_on_the_camera_history(road: Road) -> None:
     """A frame hardly depends on earlier views; the sampling of patches differs."""
