@@ -120,6 +120,11 @@ def interpolated(s: Floats, stations: Floats, points: Floats) -> Floats:
     return np.stack([np.interp(s, stations, points[:, i]) for i in range(2)], axis=-1)
 
 
+def stations_m(points_m: Floats) -> Floats:
+    """(M,) m, distances along a polyline (M, 2) from its first point."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points_m, axis=0), axis=1))])
+
+
 def stripes(line: Line, stripe_m: float, gap_m: float) -> Floats:
     """(n, 2) m, start and end of each stripe along a striped line."""
     period_m = stripe_m + gap_m
@@ -139,14 +144,9 @@ class Edge:
         """(M, 2) world points outside the edge, at a distance or at (M, 1) distances."""
         return self.points_m + outward_m * self.outward
 
-    @property
-    def stations_m(self) -> Floats:
-        """(M,) m from the first point along the edge."""
-        return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(self.points_m, axis=0), axis=1))])
-
     def resampled(self, step_m: float) -> "Edge":
         """The edge with points `step_m` apart."""
-        along = self.stations_m
+        along = stations_m(self.points_m)
         s = np.linspace(0.0, along[-1], max(2, round(along[-1] / step_m) + 1))
         outward = interpolated(s, along, self.outward)
         outward /= np.linalg.norm(outward, axis=1, keepdims=True)
@@ -275,6 +275,6 @@ def _covered(points: Floats, drawn: list[cKDTree]) -> bool:
 
 
 def _resampled(points: Floats, step_m: float = 0.5) -> Floats:
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    along = stations_m(points)
     stations = np.arange(0.0, along[-1], step_m)
     return np.stack([np.interp(stations, along, points[:, i]) for i in range(2)], axis=1)

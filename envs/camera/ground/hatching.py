@@ -1,10 +1,8 @@
 """Hatched areas: wedges of slanting bars along the outer edges of the road, that no wheel should enter."""
 
-from collections.abc import Iterator
-
 import numpy as np
 
-from vpf_sim.envs.camera.layout import Edge, interpolated
+from vpf_sim.envs.camera.layout import Edge, interpolated, stations_m
 from vpf_sim.types import Floats
 
 EVERY_M = 90.0  # from one area to the next
@@ -25,10 +23,13 @@ def hatching(edges: list[Edge], rng: np.random.Generator, lane_m: float) -> Floa
         return np.empty((0, 4, 2))
     first, parts = float(rng.uniform(0.0, EVERY_M)), []
     for number, edge in enumerate(edges):
-        start = (first + 0.5 * EVERY_M * number) % EVERY_M
-        for at_m in np.arange(start, float(edge.stations_m[-1]) - LONG_M, EVERY_M).tolist():
-            parts += [*_points(edge, np.concatenate([_bars(at_m, wide_m), _border(at_m, wide_m)]))]
-    return np.array(parts).reshape(-1, 4, 2)
+        along = stations_m(edge.points_m)
+        starts = np.arange((first + 0.5 * EVERY_M * number) % EVERY_M, along[-1] - LONG_M, EVERY_M).tolist()
+        areas = [part for start in starts for part in (_bars(start, wide_m), _border(start, wide_m))]
+        polygons = np.concatenate([np.empty((0, 4, 2)), *areas])
+        foot, outward = (interpolated(polygons[..., 0], along, values) for values in (edge.points_m, edge.outward))
+        parts.append(foot - polygons[..., 1:] * outward)
+    return np.concatenate([np.empty((0, 4, 2)), *parts])
 
 
 def _bars(start_m: float, wide_m: float) -> Floats:
@@ -59,10 +60,3 @@ def _width(s_m: Floats, wide_m: float) -> Floats:
 
 def _corner(along_m: Floats, inwards_m: Floats | float) -> Floats:
     return np.stack(np.broadcast_arrays(along_m, inwards_m), axis=-1)
-
-
-def _points(edge: Edge, polygons: Floats) -> Iterator[Floats]:
-    """The polygons (n, 4, 2) in the world."""
-    stations = edge.stations_m
-    foot, outward = (interpolated(polygons[..., 0], stations, values) for values in (edge.points_m, edge.outward))
-    yield from foot - polygons[..., 1:] * outward

@@ -20,7 +20,7 @@ from vpf_sim.envs.camera.ground.wear import (
     flakes,
     tracks,
 )
-from vpf_sim.envs.camera.layout import Edge, LaneShape, Line, interpolated, lines, outer_edges, stripes
+from vpf_sim.envs.camera.layout import Edge, LaneShape, Line, interpolated, lines, outer_edges, stations_m, stripes
 from vpf_sim.scenarios.parts import RoadAppearance
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
@@ -51,12 +51,18 @@ class Batch:
 def painted(shapes: list[LaneShape], seed: int, look: RoadAppearance) -> list[Batch]:
     """All batches in drawing order."""
     rng, outer = stream(seed, "asphalt"), outer_edges(shapes)
-    batches = [*_surfaces(shapes, outer, rng, look), *_markings(shapes, outer, seed, rng, look)]
+    bus_lanes = street.outermost(shapes, outer, "right") if look.bus_lane else []
+    batches = _surfaces(shapes, outer, bus_lanes, rng, look)
+    batches += _markings(shapes, outer, bus_lanes, seed, rng, look)
     return [batch for batch in batches if len(batch.values)]
 
 
 def _surfaces(
-    shapes: list[LaneShape], outer: list[Edge], rng: np.random.Generator, look: RoadAppearance
+    shapes: list[LaneShape],
+    outer: list[Edge],
+    bus_lanes: list[LaneShape],
+    rng: np.random.Generator,
+    look: RoadAppearance,
 ) -> list[Batch]:
     """Shoulders, pavements, lanes with their wear, and tram rails."""
     beside_m = PAVED_SHOULDER_M + GRAVEL_SHOULDER_M
@@ -66,14 +72,14 @@ def _surfaces(
     tram_lanes = street.outermost(shapes, outer, "left") if look.tram_rails else []
     paved = [(edge.at(-0.3), edge.at(PAVED_SHOULDER_M), ASPHALT - 4) for edge in outer]
     lanes = [(shape.left_m, shape.right_m, ASPHALT + int(rng.integers(-2, 3))) for shape in shapes]
-    bus_lanes = [(shape.left_m, shape.right_m, street.BUS_LANE) for shape in _bus_lanes(shapes, outer, look)]
+    lanes += [(shape.left_m, shape.right_m, street.BUS_LANE) for shape in bus_lanes]
     polished = [(left, right, ASPHALT + tone) for left, right, tone in tracks(shapes)]
     coarse, coarse_tones = coarse_wear(shapes, rng)
     fine, fine_tones = fine_wear(shapes, rng)
     return [
         _strips(far_shoulders, thin=False),
         _strips(shoulders, thin=False, range_m=RAGGED_RANGE_M),
-        _strips(paved + lanes + bus_lanes, thin=False),
+        _strips(paved + lanes, thin=False),
         _strips(kerbs, thin=False),
         _strips(polished, thin=False, range_m=WEAR_RANGE_M),
         _separate(coarse, ASPHALT + coarse_tones, thin=False, range_m=WEAR_RANGE_M),
@@ -83,10 +89,15 @@ def _surfaces(
 
 
 def _markings(
-    shapes: list[LaneShape], outer: list[Edge], seed: int, rng: np.random.Generator, look: RoadAppearance
+    shapes: list[LaneShape],
+    outer: list[Edge],
+    bus_lanes: list[LaneShape],
+    seed: int,
+    rng: np.random.Generator,
+    look: RoadAppearance,
 ) -> list[Batch]:
     """Lines, symbols and hatched areas, with what has flaked off the lines."""
-    marks, bus_lanes = lines(shapes), _bus_lanes(shapes, outer, look)
+    marks = lines(shapes)
     solid = [ribbon for line in marks if not line.striped for ribbon in _solid(line, outer, look)]
     beside_bus = [Line(shape.s_m, shape.left_m, striped=False) for shape in bus_lanes]
     solid += [_ribbon(line, BROAD_LINE_M) for line in beside_bus if not street.is_outer(line.points_m, outer, 0.01)]
@@ -104,10 +115,6 @@ def _markings(
         Batch(symbols, np.full(len(symbols), LINE - FADED), np.arange(len(symbols)), thin=False),
         _separate(worn := flakes(marks, rng), np.full(len(worn), ASPHALT - 3), thin=False, range_m=FLAKE_RANGE_M),
     ]
-
-
-def _bus_lanes(shapes: list[LaneShape], outer: list[Edge], look: RoadAppearance) -> list[LaneShape]:
-    return street.outermost(shapes, outer, "right") if look.bus_lane else []
 
 
 def _ragged(
@@ -174,7 +181,7 @@ def _strips(strips: list[tuple[Floats, Floats, int]], thin: bool, range_m: float
 
 def _cuts(points: Floats) -> NDArray[np.int64]:
     """Indices at which a polyline (M, 2) is cut, including its ends."""
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)), np.full(CHUNK, np.inf)])
+    along = np.concatenate([stations_m(points), np.full(CHUNK, np.inf)])
     last = len(points) - 1
     long = np.array([along[k + 1 :][:last] - along[:last] > CHUNK_M for k in range(1, CHUNK)])
     reach = np.where(long.any(axis=0), long.argmax(axis=0) + 1, CHUNK)  # pieces from each point to the next cut
