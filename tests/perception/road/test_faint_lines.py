@@ -1,19 +1,12 @@
 """Lines that hardly stand out, on wet roads that mirror what is beside them: worn paint, and paint on concrete."""
 
-from contextlib import closing
-from pathlib import Path
-
 import numpy as np
 import pytest
 from driver_settings import ROBUST
+from followed_road import followed
 
-from vpf_sim import drivers
-from vpf_sim.envs.four_lane import FourLane
-from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.evaluation.truth.surroundings import perceived_edges, true_edges
-from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.road.birds_eye import BirdsEye
-from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.perception.road.markings import RidgeMap, comb
 from vpf_sim.perception.road.model import seen_places, state_of
 from vpf_sim.perception.road.state_filter import LaneFilter, Sightings, initial_covariance
@@ -28,25 +21,13 @@ PAVED = 'worn = true\nsurface = "concrete"\nverge = "paved"'
     ("look", "seed"),
     [('surface = "concrete"', 961), ("worn = true", 966), (PAVED, 870), ('edge_lines = "none"', 871)],
 )
-def test_faint_lines_are_followed_in_hard_rain(look: str, seed: int, tmp_path: Path) -> None:
+def test_faint_lines_are_followed_in_hard_rain(look: str, seed: int) -> None:
     """An empty road that the PID drives along; where the edges come to lie 10 m ahead is off by less than 0.5 m."""
-    road = f"schema = 1\n[random]\nrows = [0, 0]\n[random.look]\n{look}\n[ego]\nlane = 2\nspeed_mps = 5.55\n"
-    scenario = tmp_path / "road.toml"
-    scenario.write_text(road)
-    pilot = drivers.create("pid")
-    errors_m = []
-    with closing(FourLane(str(scenario), "rain")) as env:
-        observed, _ = env.reset(seed=seed)
-        setup = setup_for(pilot, env, seed)
-        pilot.reset(setup)
-        tracker = RoadEdgeTracker(setup.camera, CONFIG, setup.rate_hz)
-        for _ in range(420):
-            now = read(observed)
-            pose = np.array([now.x_m, now.y_m, now.yaw_rad])
-            edges = tracker.update(now.image, grey(now.image), pose, now.speed_mps, now.yaw_rate_radps, None)
-            errors_m.append(np.subtract(perceived_edges(edges), true_edges(env.ego, env.road.network)))
-            command = drivers.command_of(pilot, now)
-            observed, *_ = env.step(np.array([command.throttle, command.steering]))
+    scenario = f"schema = 1\n[random]\nrows = [0, 0]\n[random.look]\n{look}\n[ego]\nlane = 2\nspeed_mps = 5.55\n"
+    errors_m = [
+        np.subtract(perceived_edges(edges), true_edges(env.ego, env.road.network))
+        for edges, env in followed(scenario, "rain", seed, 420)
+    ]
     assert np.mean(np.abs(errors_m).max(axis=1) > 0.5) < 0.02
 
 
