@@ -35,7 +35,7 @@ def assert_command(command: Command) -> None:
     assert max(abs(command.throttle), abs(command.steering)) <= 1.0 + 1e-9, command
 
 
-def plan_and_follow(drive: scenes.Drive) -> None:
+def assert_plans_and_commands(drive: scenes.Drive) -> None:
     """The planner in its frames, and the controller that follows it."""
     plans = create_planner(drive.setup, drive.configuration)
     controller = Gtsmc(load_gains(drive.configuration.gains), drive.setup.vehicle, drive.setup.rate_hz)
@@ -49,14 +49,14 @@ def plan_and_follow(drive: scenes.Drive) -> None:
 @FEW
 @given(scenes.drives())
 def test_any_scene_gives_a_command(drive: scenes.Drive) -> None:
-    plan_and_follow(drive)
+    assert_plans_and_commands(drive)
 
 
 @pytest.mark.slow
 @MANY
 @given(scenes.drives())
 def test_any_of_a_thousand_scenes_gives_a_command(drive: scenes.Drive) -> None:
-    plan_and_follow(drive)
+    assert_plans_and_commands(drive)
 
 
 @pytest.mark.parametrize("rate_hz", [5.0, 10.0, 20.0])
@@ -121,14 +121,14 @@ def observations(draw: st.DrawFn) -> Observation:
 STEPS = st.lists(st.tuples(observations(), references()), min_size=1, max_size=12)
 
 
-def control(gains: str, rate_hz: float, steps: list[tuple[Observation, Reference]]) -> None:
+def assert_controls(gains: str, rate_hz: float, steps: list[tuple[Observation, Reference]]) -> None:
     """The controller alone, on references that no planner has bounded."""
     controller = Gtsmc(load_gains(gains), scenes.VEHICLE, rate_hz)
     for observation, reference in steps:
         assert_command(controller.command(observation, reference))
 
 
-def carry_out(gains: str, rate_hz: float, steps: list[tuple[Observation, Reference]]) -> None:
+def assert_carries_out(gains: str, rate_hz: float, steps: list[tuple[Observation, Reference]]) -> None:
     """The model vehicle of a replay, from each recorded pose to the next, however far that is."""
     model = ModelVehicle(load_gains(gains), scenes.VEHICLE, rate_hz)
     for (observation, reference), (after, _) in zip(steps, steps[1:] + steps[:1], strict=True):
@@ -137,7 +137,7 @@ def carry_out(gains: str, rate_hz: float, steps: list[tuple[Observation, Referen
         assert np.isfinite([model.right_m, model.turn_rad, model.speed_mps]).all()
 
 
-LAWS = pytest.mark.parametrize("law", [control, carry_out])
+LAWS = pytest.mark.parametrize("assert_law", [assert_controls, assert_carries_out])
 Law = Callable[[str, float, list[tuple[Observation, Reference]]], None]
 
 
@@ -145,9 +145,9 @@ Law = Callable[[str, float, list[tuple[Observation, Reference]]], None]
 @FEW
 @given(st.sampled_from(GAINS), st.floats(5.0, 120.0), STEPS)
 def test_any_reference_gives_a_command(
-    law: Law, gains: str, rate_hz: float, steps: list[tuple[Observation, Reference]]
+    assert_law: Law, gains: str, rate_hz: float, steps: list[tuple[Observation, Reference]]
 ) -> None:
-    law(gains, rate_hz, steps)
+    assert_law(gains, rate_hz, steps)
 
 
 @pytest.mark.slow
@@ -155,9 +155,9 @@ def test_any_reference_gives_a_command(
 @MANY
 @given(st.sampled_from(GAINS), st.floats(5.0, 120.0), STEPS)
 def test_any_of_a_thousand_references_gives_a_command(
-    law: Law, gains: str, rate_hz: float, steps: list[tuple[Observation, Reference]]
+    assert_law: Law, gains: str, rate_hz: float, steps: list[tuple[Observation, Reference]]
 ) -> None:
-    law(gains, rate_hz, steps)
+    assert_law(gains, rate_hz, steps)
 
 
 @st.composite
@@ -168,7 +168,7 @@ def routes(draw: st.DrawFn) -> Floats:
     return points if np.ptp(points, axis=0).any() else np.vstack([points, [[1.0, 0.0]]])
 
 
-def follow(name: str, setup: DriverSetup, route: Floats, seen: list[Observation]) -> None:
+def assert_follows(name: str, setup: DriverSetup, route: Floats, seen: list[Observation]) -> None:
     """A baseline along a route."""
     driver = drivers.create(name)
     driver.reset(replace(setup, route=route))
@@ -183,7 +183,7 @@ SEEN = st.lists(observations(), min_size=1, max_size=12)
 @FEW
 @given(FOLLOWERS, scenes.setups(), routes(), SEEN)
 def test_any_route_gives_a_command(name: str, setup: DriverSetup, route: Floats, seen: list[Observation]) -> None:
-    follow(name, setup, route, seen)
+    assert_follows(name, setup, route, seen)
 
 
 @pytest.mark.slow
@@ -192,7 +192,7 @@ def test_any_route_gives_a_command(name: str, setup: DriverSetup, route: Floats,
 def test_any_of_a_thousand_routes_gives_a_command(
     name: str, setup: DriverSetup, route: Floats, seen: list[Observation]
 ) -> None:
-    follow(name, setup, route, seen)
+    assert_follows(name, setup, route, seen)
 
 
 @pytest.fixture(scope="module")
