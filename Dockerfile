@@ -1,7 +1,8 @@
 # The command line: docker run --rm --volume "$PWD:/work" vpf-sim drive town04 --video town04.mp4
 FROM python:3.13-slim AS build
 WORKDIR /source
-COPY pyproject.toml README.md LICENSE MANIFEST.in ./
+COPY pyproject.toml setup.py README.md LICENSE MANIFEST.in ./
+COPY building building
 COPY vpf_sim vpf_sim
 COPY envs envs
 COPY controllers controllers

@@ -8,14 +8,21 @@ ifneq ($(wildcard $(SHARED)/README.md),)
 export VPF_SIM_SHARED := $(SHARED)
 endif
 
-.PHONY: install test lint types unit slow benchmark docs docs-links notebooks clean
+CORE := envs/camera/core/_core.abi3.so
 
-install: $(VENV)/installed
+.PHONY: install core test lint types unit slow benchmark docs docs-links notebooks clean
+
+install: $(VENV)/installed $(CORE)
 
 $(VENV)/installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	touch $@
+
+core: $(CORE)
+
+$(CORE): $(wildcard envs/camera/core/*.[ch] building/*.py) setup.py | $(VENV)/installed
+	$(BIN)/python -m building
 
 test: lint types unit
 
@@ -56,4 +63,4 @@ notebooks: $(VENV)/docs
 	$(BIN)/python scripts/notebooks.py
 
 clean:
-	rm -rf $(VENV) .types build *.egg-info .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) $(CORE) .types build *.egg-info .pytest_cache .mypy_cache .ruff_cache

@@ -46,6 +46,8 @@ vpf_sim.sweep("town04").tabel
 """
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 MAPPED = PROJECT["tool"]["setuptools"]["package-dir"]
+CORE = ROOT / "envs" / "camera" / "core"
+BUILT = shutil.ignore_patterns("__pycache__", "*.so", "*.pyd")
 
 
 def test_packages_are_the_folders_that_exist() -> None:
@@ -66,8 +68,8 @@ def test_every_folder_with_code_is_a_package() -> None:
 def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the project, so that no build folder is left in the checkout."""
     source = tmp_path_factory.mktemp("source")
-    for folder in (*MAPPED.values(), "docs", "scripts", "tests"):
-        shutil.copytree(ROOT / folder, source / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    for folder in (*MAPPED.values(), "building", "docs", "scripts", "tests"):
+        shutil.copytree(ROOT / folder, source / folder, ignore=BUILT)
     for path in filter(Path.is_file, ROOT.iterdir()):
         shutil.copy(path, source)
     return source
@@ -87,12 +89,13 @@ def wheel(built: Path) -> Path:
     return next(built.glob("*.whl"))
 
 
-SOURCE_OF_PACKAGE = {"py", "toml", "jinja", "onnx", "typed"}
+SOURCE_OF_PACKAGE = {"py", "pyi", "toml", "jinja", "onnx", "typed"}
+COMPILED = "pyd" if os.name == "nt" else "so"
 
 
 def test_the_wheel_has_no_tests_and_no_pictures(wheel: Path) -> None:
     names = [name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name]
-    assert {name.rpartition(".")[2] for name in names} == SOURCE_OF_PACKAGE
+    assert {name.rpartition(".")[2] for name in names} == SOURCE_OF_PACKAGE | {COMPILED}
     assert not [name for name in names if {"tests", "scripts", "docs"} & set(name.split("/"))]
 
 
@@ -100,10 +103,19 @@ def test_the_sdist_has_what_a_build_needs_and_no_more(built: Path) -> None:
     with tarfile.open(next(built.glob("*.tar.gz"))) as archive:
         names = {member.name.partition("/")[2] for member in archive.getmembers() if member.isfile()}
     folders = {name.partition("/")[0] for name in names if "/" in name}
-    assert folders == {*MAPPED.values(), "vpf_sim.egg-info"}
-    assert names >= {"pyproject.toml", "README.md", "LICENSE", "CHANGELOG.md", "CITATION.cff"}
+    assert folders == {*MAPPED.values(), "building", "vpf_sim.egg-info"}
+    assert names >= {"pyproject.toml", "setup.py", "README.md", "LICENSE", "CHANGELOG.md", "CITATION.cff"}
+    built_from = [*(ROOT / "building").rglob("*.py"), *(ROOT / "building").rglob("*.h"), *CORE.glob("*.[ch]")]
+    assert names >= {path.relative_to(ROOT).as_posix() for path in built_from}
     inside = {name for name in names if name.partition("/")[0] in MAPPED.values()}
-    assert {name.rpartition(".")[2] for name in inside} == SOURCE_OF_PACKAGE
+    assert {name.rpartition(".")[2] for name in inside} == SOURCE_OF_PACKAGE | {"c", "h"}
+
+
+def test_one_wheel_serves_all_versions_of_python(wheel: Path) -> None:
+    """Its tag is that of the stable ABI, and so is the name of the one compiled file."""
+    assert wheel.name.split("-")[2:4] == ["cp311", "abi3"]
+    compiled = [name for name in zipfile.ZipFile(wheel).namelist() if name.endswith((".so", ".pyd"))]
+    assert compiled == [f"vpf_sim/envs/camera/core/_core.{'pyd' if os.name == 'nt' else 'abi3.so'}"]
 
 
 def test_the_citation_is_of_this_version_and_of_the_paper() -> None:

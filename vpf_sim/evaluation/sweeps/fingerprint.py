@@ -39,8 +39,11 @@ def fingerprint() -> dict[str, str]:
 
 @cache
 def source() -> str:
-    """SHA-256 over the files of the installed package; any edit changes it."""
-    return hash_of_files({package.replace(".", "/"): _folder(package) for package in PACKAGES})
+    """SHA-256 over the files of the installed package and the C files of its core; any edit changes it."""
+    from vpf_sim.envs.camera.core import SOURCES
+
+    files = hash_of_files({package.replace(".", "/"): _folder(package) for package in PACKAGES})
+    return sha256(f"{files} {SOURCES}".encode()).hexdigest()
 
 
 def commit_of(sources: str) -> str | None:

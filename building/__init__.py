@@ -1,0 +1,1 @@
+"""How the package is built: the backend, the C compiler and the extension module. Not installed."""

@@ -1,0 +1,9 @@
+"""The functions of module.c."""
+
+from vpf_sim.types import Floats
+
+SOURCES: str  # SHA-256 over the C files
+
+def sin(angles_rad: Floats, out: Floats) -> None: ...
+def cos(angles_rad: Floats, out: Floats) -> None: ...
+def hypot(x: float, y: float) -> float: ...

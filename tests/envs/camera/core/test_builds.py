@@ -1,0 +1,88 @@
+"""The core built in other ways: with sanitizers, by another compiler, for another processor."""
+
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+from core_builds import FILES, FOLDER, HAS_GCC, build, printed
+
+from building import compiler
+from vpf_sim.envs.camera.core import _core
+
+ROOT = Path(__file__).parents[4]
+USE = """
+import numpy as np
+angles, result = np.linspace(-9.0, 9.0, 1001), np.empty(1001)
+module.sin(angles, result)
+module.cos(angles, result)
+print(result.sum().hex(), module.hypot(3.0, 4.0))
+"""
+C_PROGRAM = str(ROOT / "tests" / "helpers" / "print_core.c")
+CROSS = "aarch64-linux-gnu-gcc"
+
+
+@HAS_GCC
+def test_sanitizers_find_nothing(tmp_path: Path) -> None:
+    core = build(tmp_path, ["gcc", *compiler.DEBUG, "-DVC_DEBUG"])
+    library = subprocess.run(["gcc", "-print-file-name=libasan.so"], capture_output=True, text=True, check=True)
+    if not Path(library.stdout.strip()).is_absolute():
+        pytest.skip("gcc comes without its address sanitizer")
+    environment = {"LD_PRELOAD": library.stdout.strip(), "ASAN_OPTIONS": "detect_leaks=0"}
+    assert printed(core, USE, environment) == printed(Path(_core.__file__), USE)
+
+
+@HAS_GCC
+def test_a_core_older_than_its_c_files_is_refused(tmp_path: Path) -> None:
+    core = build(tmp_path, ["gcc", "-O0", "-UVC_SOURCES", "-DVC_SOURCES=older"])
+    code = "try:\n    import vpf_sim.envs.camera.core\nexcept ImportError as error:\n    print(error)"
+    assert "older than its C files: run `make core`" in printed(core, code)
+
+
+def native_program(folder: Path, command: list[str], name: str) -> list[str]:
+    """Compile the program without Python; returns the command that runs it."""
+    program = folder / name
+    sources = [path for path in FILES if not path.endswith("module.c")]
+    flags = [*compiler.FLAGS, f"-I{FOLDER}"]
+    subprocess.run([*command, *flags, C_PROGRAM, *sources, "-lm", "-o", str(program)], check=True)
+    return [str(program)]
+
+
+def output(command: list[str]) -> str:
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+
+@pytest.mark.slow
+@HAS_GCC
+@pytest.mark.skipif(shutil.which(CROSS) is None, reason=f"needs {CROSS} (Debian: gcc-aarch64-linux-gnu)")
+@pytest.mark.skipif(shutil.which("qemu-aarch64") is None, reason="needs qemu-aarch64 (Debian: qemu-user)")
+def test_aarch64_computes_the_same(tmp_path: Path) -> None:
+    here = native_program(tmp_path, ["gcc"], "here")
+    there = native_program(tmp_path, [CROSS, "-static"], "there")
+    assert output(["qemu-aarch64", *there]) == output(here)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name != "posix", reason="hides the compiler by an empty PATH")
+def test_a_machine_without_a_compiler_gets_one_from_the_package_index(tmp_path: Path) -> None:
+    """pip builds in isolation; the wheel's core computes what the one in use does."""
+    source = tmp_path / "source"
+    tracked = output(["git", "-C", str(ROOT), "ls-files", "-co", "--exclude-standard"]).splitlines()
+    for name in tracked:
+        (source / name).parent.mkdir(parents=True, exist_ok=True)
+        if (ROOT / name).is_file():
+            shutil.copy(ROOT / name, source / name)
+    command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--wheel-dir", str(tmp_path / "wheels"), str(source)]
+    alone = {key: value for key, value in os.environ.items() if key != "CC"} | {"PATH": str(tmp_path)}
+    done = subprocess.run(command, capture_output=True, text=True, env=alone, check=False)
+    if "No matching distribution" in done.stderr + done.stdout:
+        pytest.skip("no package index can be reached")
+    assert done.returncode == 0, done.stderr
+    (wheel,) = (tmp_path / "wheels").glob("*-cp311-abi3-*.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extract("vpf_sim/envs/camera/core/_core.abi3.so", tmp_path)
+    core = tmp_path / "vpf_sim" / "envs" / "camera" / "core" / "_core.abi3.so"
+    assert printed(core, USE) == printed(Path(_core.__file__), USE)
