@@ -56,6 +56,8 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
 
     On highway-env's roads the observation has `turn`, the index in `TURNS` of the way to take where roads part.
 
+    Arrays of observations, of `info` and of `render` are the caller's own: changing them changes nothing else.
+
     `scenario` and `weather` are names of the catalogs, paths of TOML files, or loaded objects. After a reset `scenario`
     is the one drawn for the seed, and `road`, `ego`, `route` and `goal_m` belong to the episode.
     """
@@ -241,10 +243,10 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         return {"turn": np.int64(TURNS.index(self._path.turn(self._route_m)))} if self._tells_turns else {}
 
     def _image(self) -> EnvObservation:
-        """The camera's part of the observation: its frame, or with faults the last that has arrived."""
+        """The camera's part of the observation, as a copy: its frame, or with faults the last that has arrived."""
         if self._camera_faulty:
-            return {"image": self._arrived, "frame_time": np.array([self._arrived_s])}
-        return {} if self._frame is None else {"image": self._frame}
+            return {"image": self._arrived.copy(), "frame_time": np.array([self._arrived_s])}
+        return {} if self._frame is None else {"image": self._frame.copy()}
 
     def _state(self) -> Floats:
         """(5,) the true x, y, yaw in (-pi, pi], speed, yaw rate."""

@@ -59,5 +59,5 @@ def wrong_value(message: str, value: object) -> str:
 
 def shown(value: object) -> str:
     """A value as at most 60 characters of a line."""
-    text = repr(value)
+    text = " ".join(line.strip() for line in repr(value).splitlines())
     return text if len(text) <= 60 else f"{text[:57]}..."

@@ -136,7 +136,7 @@ class Observation:
     Where the newest frame is late or was dropped, `image` is the last that has arrived, with its own `frame_time_s`.
     """
 
-    image: Image  #: (H, W, 3) RGB, the last that has arrived; (0, 0, 3) where the driver does not look
+    image: Image  #: (H, W, 3) RGB, read-only, the last that has arrived; (0, 0, 3) where the driver does not look
     time_s: float
     x_m: float
     y_m: float

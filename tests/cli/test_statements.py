@@ -57,7 +57,7 @@ def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     [
         ("Divides", "frame 30: ZeroDivisionError"),
         ("Tuple", "frame 0: TypeError: driver: act: expected a vpf_sim.types.Command, got \\(0.0, 0.0\\)"),
-        ("Nan", "frame 0: ValueError: driver: expected finite throttle and steering"),
+        ("Nan", "frame 0: ValueError: driver: Command: throttle: expected a finite number"),
         ("Unready", "reset: RuntimeError: no weights"),
     ],
 )

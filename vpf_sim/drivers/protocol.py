@@ -1,7 +1,10 @@
 """How any driver is asked: its command, whether it needs frames, and its plan if it shows one."""
 
+from math import isfinite, nan
+
 import numpy as np
 
+from vpf_sim.errors import shown
 from vpf_sim.timing import timed
 from vpf_sim.types import Command, Driver, Observation, Perception, Plan
 
@@ -9,14 +12,27 @@ from vpf_sim.types import Command, Driver, Observation, Perception, Plan
 @timed("driver")
 def command_of(driver: Driver, observation: Observation) -> Command:
     """What a driver does, within the limits; anything but a command of finite numbers is the driver's fault."""
+    _protect(observation)
     command = driver.act(observation)
     if not isinstance(command, Command):
-        raise TypeError(f"driver: act: expected a vpf_sim.types.Command, got {command!r}")
-    values = np.array([command.throttle, command.steering], dtype=float)
-    if not np.isfinite(values).all():
-        raise ValueError(f"driver: expected finite throttle and steering, got {command}")
-    throttle, steering = values.tolist()
-    return Command(min(max(throttle, -1.0), 1.0), min(max(steering, -1.0), 1.0))
+        raise TypeError(f"driver: act: expected a vpf_sim.types.Command, got {shown(command)}")
+    return Command(_limited("throttle", command.throttle), _limited("steering", command.steering))
+
+
+def _limited(name: str, given: object) -> float:
+    """A value of a command in [-1, 1]: a number, or an array or tensor of one number."""
+    try:
+        value = float(given.item() if hasattr(given, "item") else np.asarray(given).item())
+    except (TypeError, ValueError, OverflowError, RuntimeError):  # RuntimeError: torch's, for more than one element
+        value = nan
+    if not isfinite(value):
+        raise ValueError(f"driver: Command: {name}: expected a finite number, got {shown(given)}")
+    return min(max(value, -1.0), 1.0)
+
+
+def _protect(observation: Observation) -> None:
+    """Make the image read-only: others get it after the driver."""
+    observation.image.flags.writeable = False
 
 
 def uses_images(driver: Driver) -> bool:
@@ -38,6 +54,7 @@ def trace_of(driver: Driver) -> Plan | None:
 
 def perception_of(driver: Driver, observation: Observation) -> Perception | None:
     """What a driver perceives: by its `perceive`, else by the plan that it makes; None if it shows neither."""
+    _protect(observation)
     perceive = getattr(driver, "perceive", None)
     perception = perceive(observation) if perceive is not None else None
     if isinstance(perception, Perception):

@@ -79,7 +79,7 @@ class StepTable:
         """The rows with their names as a pandas data frame."""
         import pandas as pd
 
-        return pd.DataFrame(self.rows, columns=list(Step._fields))
+        return pd.DataFrame(self.rows, columns=list(Step._fields), copy=True)
 
     def __len__(self) -> int:
         """n, the number of commands."""

@@ -151,8 +151,12 @@ class Silent(Constant):
         (lambda: Quitter(), "SystemExit: 5", 1),
         (lambda: Silent(), "TypeError: driver: act: expected a vpf_sim.types.Command, got None", 1),
         (lambda: Scribbler(), "ValueError: assignment destination is read-only", 1),
-        (lambda: Constant(float("nan")), "ValueError: driver: expected finite throttle and steering", 1),
-        (lambda: Constant(0.0, float("inf")), "ValueError: driver: expected finite throttle and steering", 1),
+        (lambda: Constant(float("nan")), "ValueError: driver: Command: throttle: expected a finite number", 1),
+        (
+            lambda: Constant(0.0, float("inf")),
+            "ValueError: driver: Command: steering: expected a finite number, got inf",
+            1,
+        ),
     ],
 )
 def test_a_drivers_exception_ends_its_episode_as_an_error(

@@ -28,8 +28,7 @@ class FrameHasher:
         self._thread.join()
 
     def add(self, frame: Image) -> None:
-        """Queue a frame, and make it read-only, since the thread reads it later."""
-        frame.flags.writeable = False
+        """Queue a frame; the thread reads it later."""
         self._frames += 1
         self._queue.put(frame)
 
