@@ -1,0 +1,75 @@
+/* Draws pictures with transparency into the image. */
+#include <string.h>
+
+#include "internal.h"
+
+enum { SHIFT = 16 };
+
+/* Samples along one axis: pixels from `first` to `last`, and texels of 1 / 2^SHIFT. */
+typedef struct {
+    int first, last;
+    int32_t from, step;
+} Axis;
+
+/* Only pixels whose four texels exist are drawn: pictures have a transparent rim. */
+static Axis axis_of(double start, double extent, int texels, int limit) {
+    double scale = texels / extent;
+    Axis axis = {vc_clamp(start <= 0.0 ? 0 : vc_floor(vc_limit(start, 0.0, limit)), 0, limit),
+                 vc_clamp(vc_ceil(vc_limit(start + extent, 0.0, limit)), 0, limit), 0, 0};
+    axis.step = (int32_t)(vc_limit(scale, 0.0, 4096.0) * (1 << SHIFT));
+    double place = ((axis.first + 0.5 - start) * scale - 0.5) * (1 << SHIFT);
+    axis.from = (int32_t)vc_limit(place, -1e9, 1e9);
+    for (; axis.first < axis.last && axis.from < 0; axis.first++) axis.from += axis.step;
+    int64_t end = (int64_t)(texels - 1) << SHIFT;
+    while (axis.last > axis.first && axis.from + (int64_t)axis.step * (axis.last - 1 - axis.first) >= end) axis.last--;
+    return axis;
+}
+
+static uint32_t load(const uint8_t *px) {
+    return px[0] | (uint32_t)px[1] << 8 | (uint32_t)px[2] << 16 | (uint32_t)px[3] << 24;
+}
+
+static uint32_t between(uint32_t a, uint32_t b, uint32_t share) {
+    uint32_t even = (((a & 0xff00ffu) * (256 - share) + (b & 0xff00ffu) * share + 0x800080u) >> 8) & 0xff00ffu;
+    uint32_t odd = ((a >> 8 & 0xff00ffu) * (256 - share) + (b >> 8 & 0xff00ffu) * share + 0x800080u) & 0xff00ff00u;
+    return even | odd;
+}
+
+/* Lays a premultiplied sample over a pixel. */
+static void lay(const vc_picture *picture, uint32_t sample, uint8_t *px) {
+    uint32_t cover = 255 - (sample >> 24), through = 255 - ((cover * (uint32_t)picture->opacity + 128) >> 8);
+    for (int i = 0; i < 3; i++, sample >>= 8) {
+        uint32_t level = ((sample & 255) * (uint32_t)picture->factor + 128) >> 8;
+        level += vc_by_255((uint32_t)picture->air[i] * cover) + vc_by_255(px[i] * through);
+        px[i] = (uint8_t)(level > 255 ? 255 : level);
+    }
+}
+
+/* The bilinear sample at a texel and its fractions of 1 / 256. */
+static uint32_t sample(const uint8_t *at, size_t stride, uint32_t share_x, uint32_t share_y) {
+    uint32_t a = load(at), b = load(at + 4), c = load(at + stride), d = load(at + stride + 4);
+    if ((a & b & c & d) >= 0xff000000u) return 0xff000000u;
+    return between(between(a, b, share_x), between(c, d, share_x), share_y);
+}
+
+void vc_paint_picture(const vc_picture *picture, double left, double top, double wide, double tall, vc_image image,
+                      vc_labels labels) {
+    Axis across = axis_of(left, wide, picture->columns, image.width), down = axis_of(top, tall, picture->rows, image.height);
+    size_t stride = (size_t)picture->columns * 4;
+    int32_t v = down.from;
+    for (int y = down.first; y < down.last; y++, v += down.step) {
+        const uint8_t *row = picture->px + (size_t)(v >> SHIFT) * stride;
+        size_t at = (size_t)y * image.width + across.first;
+        int32_t u = across.from;
+        for (int x = across.first; x < across.last; x++, u += across.step, at++) {
+            uint32_t share_x = (uint32_t)(u >> (SHIFT - 8)) & 255, share_y = (uint32_t)(v >> (SHIFT - 8)) & 255;
+            uint32_t found = sample(row + 4 * (u >> SHIFT), stride, share_x, share_y);
+            if (labels.px != NULL) {
+                uint32_t cover = 255 - (found >> 24);
+                if (((cover * (uint32_t)picture->opacity + 128) >> 8) > 127) labels.px[at] = labels.label;
+            } else if (found < 0xff000000u) {
+                lay(picture, found, image.px + 3 * at);
+            }
+        }
+    }
+}
