@@ -1,1 +1,1 @@
-"""Physical meaning of a weather, its effect on tracking, and water on the windscreen."""
+"""Physical meaning of a weather, and its effect on tracking."""
