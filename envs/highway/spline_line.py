@@ -1,5 +1,6 @@
 """A smooth line through points: a cubic spline over the distance along them."""
 
+from bisect import bisect_left, bisect_right
 from math import hypot
 from typing import Any
 
@@ -85,16 +86,16 @@ class SplineLine:
 
     def _nearest_knot(self, x_m: float, y_m: float, near_m: float | None) -> float:
         """The s of the knot nearest to a point."""
-        first, last = 0, len(self._s)
+        first, last = 0, len(self._starts)
         if near_m is not None:
-            first = min(int(np.searchsorted(self._s, near_m - NEAR_M)), last - 2)
-            last = max(int(np.searchsorted(self._s, near_m + NEAR_M)), first + 2)
+            first = min(bisect_left(self._starts, near_m - NEAR_M), last - 2)
+            last = max(bisect_left(self._starts, near_m + NEAR_M), first + 2)
         away = self._points[first:last] - (x_m, y_m)
         return self._starts[first + int(np.argmin(np.einsum("ij,ij->i", away, away)))]
 
     def _state(self, s: float) -> tuple[float, float, float, float, float, float]:
         """x, y and their first and second derivatives at s on the line, in plain floats for speed."""
-        index = min(int(np.searchsorted(self._s, s, side="right")) - 1, len(self._pieces) - 1)
+        index = min(bisect_right(self._starts, s) - 1, len(self._pieces) - 1)
         v = s - self._starts[index]
         (a, b, c, x), (e, f, g, y) = self._pieces[index]
         return (

@@ -6,20 +6,20 @@ from math import hypot, nan
 from typing import Any
 
 import gymnasium
-import numpy as np
 from gymnasium.envs.registration import load_env_creator
 from highway_env.envs import IntersectionEnv
 from highway_env.utils import class_from_path
+from highway_env.vehicle.kinematics import Vehicle
 from highway_env.vehicle.objects import Obstacle, RoadObject
 
 from vpf_sim.envs.ego import Ego
+from vpf_sim.envs.highway.indexed_road import speed_up
 from vpf_sim.envs.network import Place
 from vpf_sim.scenarios.highway import HighwayEnv
-from vpf_sim.scenarios.parts import FASTEST_MPS
 
 # An object that is farther aside of the route (two lanes), or farther from the ego, has no place.
 BESIDE_M, FAR_M = 8.0, 100.0
-LONGEST_M = 6.0  # diagonal of a car, at most
+NOWHERE: Place = (nan, nan)
 # The id's own action has no planned route, and with it the destination that highway-env draws would be lost.
 PLANNED = {"intersection-v1": {"action": {"type": "DiscreteMetaAction"}}}
 
@@ -42,7 +42,8 @@ class Traffic:
         self.start = self._env.vehicle  # highway-env's ego
         if not settings.traffic:
             self.road.vehicles, self.road.objects = [self.start], []
-        self._adopt(self.road.vehicles)
+        speed_up(self.road)
+        self._adopt([*self.road.vehicles, *self.road.objects])
 
     def replace_ego(self, ego: Ego) -> None:
         """Put our ego in the place of highway-env's."""
@@ -55,23 +56,10 @@ class Traffic:
         """One step of the world, after `steps` others: cars decide at highway-env's rate and move at ours."""
         if steps % _every(self._env.config["simulation_frequency"], rate_hz) == 0:
             self.road.act()
-        self._step(1.0 / rate_hz)
+        self.road.step(1.0 / rate_hz)
         if self._comes_and_goes and (steps + 1) % _every(self._env.config["policy_frequency"], rate_hz) == 0:
             self._renew()
         self.update_places()
-
-    def _step(self, dt_s: float) -> None:
-        """highway-env's step of the road; cars with nothing near are spared its search for contacts, pair by pair."""
-        vehicles = list(self.road.vehicles)
-        checking = [vehicle for vehicle in vehicles if vehicle.check_collisions]
-        x, y = np.array([vehicle.position for vehicle in vehicles]).T
-        reach_m = LONGEST_M + 3.0 * FASTEST_MPS * dt_s  # both move, and highway-env looks a step ahead
-        near = (np.abs(x[:, None] - x) < reach_m) & (np.abs(y[:, None] - y) < reach_m)
-        for vehicle, count in zip(vehicles, near.sum(axis=1).tolist(), strict=True):
-            vehicle.check_collisions &= count > 1
-        self.road.step(dt_s)
-        for vehicle in checking:
-            vehicle.check_collisions = True
 
     def _renew(self) -> None:
         """Let cars come and go, as highway-env's `step` does."""
@@ -80,24 +68,25 @@ class Traffic:
         self._adopt([] if arrived is None else [arrived])
 
     def update_places(self) -> None:
-        """Give every object its place on the route, and its kind."""
+        """Give every object its place on the route."""
+        ego_x, ego_y = self._ego.position.tolist()
         for obj in (*self.road.vehicles, *self.road.objects):
             if obj is not self._ego:
-                obj.place, obj.kind = self._place(obj), kind_of(obj)
+                x, y = obj.position.tolist()
+                near = hypot(x - ego_x, y - ego_y) <= FAR_M
+                obj.place = self._place(x, y) if near else NOWHERE
 
-    def _place(self, obj: RoadObject) -> Place:
-        """(s, lateral) on the route; nan for objects that are not near it."""
-        (x, y), (ego_x, ego_y) = obj.position.tolist(), self._ego.position.tolist()
-        if hypot(x - ego_x, y - ego_y) > FAR_M:
-            return nan, nan
+    def _place(self, x: float, y: float) -> Place:
+        """(s, lateral) on the route; nan for what is not near it."""
         s, lateral = self.road.network.place_at(x, y, self._ego.place[0])
-        return (s, lateral) if abs(lateral) <= BESIDE_M else (nan, nan)
+        return (s, lateral) if abs(lateral) <= BESIDE_M else NOWHERE
 
-    def _adopt(self, vehicles: list[Any]) -> None:
-        """Give cars the parameters that highway-env has set on their class."""
-        for vehicle in vehicles:
-            for name, value in self._changes.items():
-                setattr(vehicle, name, value)
+    def _adopt(self, objects: list[Any]) -> None:
+        """Give objects their kind, and cars the parameters that highway-env has set on their class."""
+        for obj in objects:
+            obj.kind = kind_of(obj)
+            for name, value in self._changes.items() if isinstance(obj, Vehicle) else ():
+                setattr(obj, name, value)
 
 
 def kind_of(obj: RoadObject) -> str:

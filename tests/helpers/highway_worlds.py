@@ -1,5 +1,6 @@
 """Worlds of highway-env scenarios, and the environments themselves to compare them with."""
 
+import json
 import warnings
 from typing import Any, get_args
 
@@ -16,9 +17,7 @@ IDS: tuple[str, ...] = get_args(HighwayId)
 
 def scenario(name: str, **config: Any) -> Any:
     """A highway-env scenario with keys of its configuration."""
-    keys = ", ".join(
-        f"{key} = {str(value).lower() if isinstance(value, bool) else value!r}" for key, value in config.items()
-    )
+    keys = ", ".join(f"{key} = {json.dumps(value)}" for key, value in config.items())
     return scenarios.parse(f'schema = 1\n[highway_env]\nid = "{name}"\nconfig = {{{keys}}}\n', "test.toml")
 
 
