@@ -91,6 +91,10 @@ class CentreLine:
     def __init__(self, road: Road) -> None:
         self.length_m = road.length_m
         self.pieces = tuple(_pieces(road))
+        # the middle of each piece, its reach from there, and its number
+        self._discs = [
+            (piece.x_m, piece.y_m, max(-piece.low_m, piece.high_m), index) for index, piece in enumerate(self.pieces)
+        ]
         self._starts_m = np.array([piece.s_m + piece.low_m for piece in self.pieces[1:]])
         self._start_list_m = self._starts_m.tolist()
 
@@ -148,12 +152,10 @@ class CentreLine:
 
     def local_at(self, x_m: float, y_m: float) -> tuple[float, float]:
         """`local` of one point; stateless, so the result does not depend on earlier queries."""
-        bounds = []
-        for index, piece in enumerate(self.pieces):
-            reach = max(-piece.low_m, piece.high_m)
-            bounds.append((math.hypot(x_m - piece.x_m, y_m - piece.y_m) - reach, index))
+        hypot = math.hypot
+        bounds = sorted([(hypot(x_m - x, y_m - y) - reach, index) for x, y, reach, index in self._discs])
         best_m, best = math.inf, (0.0, 0.0)
-        for bound_m, index in sorted(bounds):
+        for bound_m, index in bounds:
             if bound_m > best_m + TIE_M:
                 break
             piece = self.pieces[index]

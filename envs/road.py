@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from highway_env.road.lane import AbstractLane, LineType
 from highway_env.road.road import LaneIndex, RoadNetwork
-from highway_env.road.road import Road as HighwayRoad
 
 from vpf_sim.envs.centre_line import CentreLine
+from vpf_sim.envs.contacts import ContactRoad
 from vpf_sim.envs.network import LaneUse, Place, RoadLines
 from vpf_sim.envs.rectangles import Point, corners
 from vpf_sim.scenarios import Scenario
@@ -76,7 +76,7 @@ class Carriageway(RoadNetwork):  # type: ignore[misc]
         self.centre = centre_line(road)
         self.lane_width_m = road.lane_width_m
         self.half_width_m = road.half_width_m
-        self.appearance = road.look
+        self.road, self.appearance = road, road.look
         lines = [LineType.STRIPED] * (road.lanes + 1)
         lines[0], lines[road.lanes] = _edge_line(road, "left"), _edge_line(road, "right")
         if road.oncoming_lanes:
@@ -144,6 +144,6 @@ def _edge_line(road: Road, side: str) -> int:
     return int(LineType.CONTINUOUS_LINE if painted else LineType.NONE)
 
 
-def build_road(scenario: Scenario, np_random: np.random.Generator) -> HighwayRoad:
+def build_road(scenario: Scenario, np_random: np.random.Generator) -> ContactRoad:
     """The empty highway-env road of a scenario; the environment adds the objects and the ego car."""
-    return HighwayRoad(network=Carriageway(scenario.road), np_random=np_random)
+    return ContactRoad(network=Carriageway(scenario.road), np_random=np_random)

@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 from highway_env.road.lane import AbstractLane, LineType
-from highway_env.road.road import Road
+from highway_env.road.road import Road, RoadNetwork
 from scipy.spatial import cKDTree
 
 from vpf_sim.geometry import unwrapped
@@ -71,8 +71,32 @@ class Line:
 
 
 def lane_shapes(road: Road) -> list[LaneShape]:
-    """Every lane of the network."""
-    graph = road.network.graph
+    """Every lane of the network. Those of a scenario's road are made once for its settings (`network.road`)."""
+    if getattr(road.network, "road", None) is None:
+        return _all_sampled(road.network)
+    return list(_shapes(_Settings(road.network)))
+
+
+class _Settings:
+    """The network of a scenario's road as a key: equal where the road's settings are."""
+
+    def __init__(self, network: RoadNetwork) -> None:
+        self.network = network
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Settings) and bool(self.network.road == other.network.road)
+
+    def __hash__(self) -> int:
+        return hash(self.network.road)
+
+
+@lru_cache(maxsize=ROADS)
+def _shapes(road: _Settings) -> list[LaneShape]:
+    return _all_sampled(road.network)
+
+
+def _all_sampled(network: RoadNetwork) -> list[LaneShape]:
+    graph = network.graph
     reached = {end for ends in graph.values() for end in ends}
     return [
         _sampled(lane, beside, before=start not in reached, after=not graph.get(end))

@@ -5,7 +5,7 @@ is made once a tick, and cars that move and decide as highway-env's own classes 
 themselves. A road gets these methods by `speed_up`; highway-env's classes, and with them the roads of others, stay.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cache
 from typing import Any
 
@@ -15,15 +15,15 @@ from highway_env.road.road import LaneIndex, Road
 from highway_env.vehicle.behavior import IDMVehicle
 from highway_env.vehicle.kinematics import Vehicle
 
+from vpf_sim.envs.contacts import ContactRoad
 from vpf_sim.envs.highway.idm_control import Controls, is_idm
 from vpf_sim.envs.highway.lane_table import LaneTable
 from vpf_sim.envs.highway.neighbours import Neighbours
 
 FEW = 4  # fewer cars are faster one by one
-SPARE_M = 1e-6  # on the distance from which contacts are searched, against rounding
 
 
-class IndexedRoad(Road):  # type: ignore[misc]
+class IndexedRoad(ContactRoad):
     """A road whose cars find their neighbours in an index."""
 
     _table: LaneTable | None = None
@@ -52,17 +52,14 @@ class IndexedRoad(Road):  # type: ignore[misc]
         ahead, behind = here.around(number, lane_index)
         return here.objects[ahead] if ahead >= 0 else None, here.objects[behind] if behind >= 0 else None
 
-    def step(self, dt: float) -> None:
-        """Move all cars for dt seconds, and find contacts."""
+    def move(self, vehicles: Iterable[Any], dt: float) -> None:
+        """Move vehicles for dt seconds."""
         alone = self.record_history or len(self.vehicles) < FEW
-        together = [] if alone else [vehicle for vehicle in self.vehicles if _moves_plainly(vehicle)]
+        together = [] if alone else [vehicle for vehicle in vehicles if _moves_plainly(vehicle)]
         moved = set(map(id, together))
-        for vehicle in self.vehicles:
-            if id(vehicle) not in moved:
-                vehicle.step(dt)
+        super().move([vehicle for vehicle in vehicles if id(vehicle) not in moved], dt)
         if together:
-            self._move(together, dt)
-        self._collide(dt)
+            self._move_together(together, dt)
 
     def _lanes(self) -> LaneTable:
         if self._table is None or self._table.network is not self.network:
@@ -85,7 +82,7 @@ class IndexedRoad(Road):  # type: ignore[misc]
             car.change_lane_policy()
         return True
 
-    def _move(self, cars: Sequence[Any], dt: float) -> None:
+    def _move_together(self, cars: Sequence[Any], dt: float) -> None:
         """`Vehicle.step` of cars: a kinematic bicycle."""
         for car in cars:
             if isinstance(car, IDMVehicle):
@@ -109,16 +106,6 @@ class IndexedRoad(Road):  # type: ignore[misc]
             car.heading = direction
             car.speed += car.action["acceleration"] * dt
             car.lane_index, car.lane = table.indexes[lane], table.lanes[lane]
-
-    def _collide(self, dt: float) -> None:
-        """Contacts of all pairs that are near enough, in highway-env's order."""
-        objects = [*self.vehicles, *self.objects]
-        count = len(self.vehicles)
-        x, y, diagonal, speed = np.array([(*one.position, one.diagonal, one.speed) for one in objects], float).T.copy()
-        reach = (diagonal[:count, None] + diagonal) / 2 + speed[:count, None] * dt + SPARE_M
-        near = (np.abs(x[:count, None] - x) < reach) & (np.abs(y[:count, None] - y) < reach)
-        for one, other in np.argwhere(np.triu(near, 1)).tolist():
-            objects[one].handle_collisions(objects[other], dt)
 
 
 class IndexedRegulatedRoad(RegulatedRoad, IndexedRoad):  # type: ignore[misc]
