@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from vpf_sim import scenarios
 from vpf_sim.envs import camera as cameras
+from vpf_sim.envs.arguments import refuse_options, refuse_unknown
 from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.envs.camera.rig import checked_rig, preset
@@ -80,7 +81,9 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         rate_hz: float = 60.0,
         rig: Rig | None = None,
         frames: bool = True,
+        **unknown: Any,
     ) -> None:
+        refuse_unknown(unknown, FourLane)
         self.vehicle_model = VehicleModel()
         self.rate_hz = _checked_rate(rate_hz)
         self.metadata = {**self.metadata, "render_fps": round(rate_hz)}
@@ -110,7 +113,8 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[EnvObservation, dict[str, Any]]:
-        """Begin the episode of a seed; without one, the seed comes from gymnasium's generator."""
+        """Begin the episode of a seed; without one, the seed comes from gymnasium's generator. There are no options."""
+        refuse_options(options)
         super().reset(seed=seed, options=options)
         self.episode_seed = int(self.np_random.integers(2**31)) if seed is None else seed
         self.scenario = self._template.draw(self.episode_seed)

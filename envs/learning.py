@@ -12,6 +12,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from vpf_sim.envs.arguments import refuse_options, refuse_unknown
 from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.camera import weather as presets
 from vpf_sim.envs.camera.weather import Weather
@@ -54,18 +55,18 @@ class FourLanePixels(gymnasium.Env[PixelObservation, Any]):
     100 m, and the last action. Reward: the sum of the terms of `RewardWeights`; `info["reward_terms"]`
     has each. Else `info` is FourLane's, and so are the endings.
 
-    `scenarios` and `weathers` are one or several names, files or loaded objects. Each reset draws one of each by its
-    seed (domain randomisation; the scenario `random` draws a road and obstacles as well). `levels` limits the draw to
-    the first scenarios, for a curriculum: set it between episodes, through `env.unwrapped.levels` or a vector
-    environment's `set_attr`.
+    `scenario` and `weather` are one or several names, files or loaded objects, also as `scenarios` and `weathers`. Each
+    reset draws one of each by its seed (domain randomisation; the scenario `random` draws a road and obstacles as
+    well). `levels` limits the draw to the first scenarios, for a curriculum: set it between episodes, through
+    `env.unwrapped.levels` or a vector environment's `set_attr`. The image has at least 64 x 48 pixels.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 60}  # noqa: RUF012 (gymnasium's)
 
     def __init__(
         self,
-        scenarios: str | AnyScenario | Sequence[str | AnyScenario] = "curve-left",
-        weathers: str | Weather | Sequence[str | Weather] = "clear",
+        scenario: str | AnyScenario | Sequence[str | AnyScenario] = "curve-left",
+        weather: str | Weather | Sequence[str | Weather] = "clear",
         image_size: tuple[int, int] = (84, 84),
         fov_deg: float = 90.0,
         grey: bool = True,
@@ -73,15 +74,18 @@ class FourLanePixels(gymnasium.Env[PixelObservation, Any]):
         state: bool = False,
         reward: RewardWeights | None = None,
         render_mode: str | None = None,
+        **others: Any,
     ) -> None:
+        scenario, weather = others.pop("scenarios", scenario), others.pop("weathers", weather)
+        refuse_unknown(others, FourLanePixels)
         self._weights = _checked_weights(reward)
         self._repeat = _checked_repeat(action_repeat)
         self._grey, self._with_state = _checked_switch("grey", grey), _checked_switch("state", state)
         self.render_mode = render_mode
         width_px, height_px = _checked_size(image_size)
         rig = Rig(Camera.of(width_px, height_px, _checked_angle(fov_deg)))
-        self._worlds = [FourLane(one, "clear", render_mode, rig=rig) for one in _several("scenarios", scenarios)]
-        self._weathers = [presets.load(one) for one in _several("weathers", weathers)]
+        self._worlds = [FourLane(one, "clear", render_mode, rig=rig) for one in _several("scenario", scenario)]
+        self._weathers = [presets.load(one) for one in _several("weather", weather)]
         self._world = self._worlds[0]
         self.levels = len(self._worlds)
         self.metadata = {**self.metadata, "render_fps": round(self._world.rate_hz / self._repeat)}
@@ -99,6 +103,7 @@ class FourLanePixels(gymnasium.Env[PixelObservation, Any]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[PixelObservation, dict[str, Any]]:
         """Draw scenario and weather, and begin their episode; all three follow from the seed."""
+        refuse_options(options)
         super().reset(seed=seed, options=options)
         episode_seed = int(self.np_random.integers(2**31)) if seed is None else seed
         draw = stream(episode_seed, "learning")

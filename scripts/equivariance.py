@@ -26,7 +26,7 @@ from vpf_sim.evaluation.episode.episode import roll_out
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics import records
 from vpf_sim.evaluation.processes.threads import limit_opencv
-from vpf_sim.evaluation.sweeps.plan import parse_seeds
+from vpf_sim.evaluation.sweeps.seeds import parse_seeds
 from vpf_sim.planning import variant
 from vpf_sim.scenarios import Scenario
 from vpf_sim.scenarios.transforms import mirrored, rotated, translated

@@ -26,6 +26,7 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 from vpf_sim import configuration_faults
 from vpf_sim.configuration_fields import keys, sections
 from vpf_sim.errors import InputError
+from vpf_sim.files import read_text
 
 Config = TypeVar("Config")
 STRICT = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
@@ -78,7 +79,7 @@ def read(package: str, name: str) -> dict[str, Any]:
 def read_file(path: Path, what: str) -> dict[str, Any]:
     """The TOML file of a user; `what` is what it should be: "scenario"."""
     try:
-        return parse(path.read_text("utf-8"), str(path))
+        return parse(read_text(path), str(path))
     except (OSError, ValueError) as error:  # ValueError: bytes that are no text, or a name that no file can have
         reason = error.strerror if isinstance(error, OSError) else "not a text file"
         raise InputError(f"{path}: expected a readable {what} file, got: {reason}") from None

@@ -1,5 +1,6 @@
-"""Atomic file writes, and file names that every system accepts."""
+"""Text of users' files, atomic file writes, and file names that every system accepts."""
 
+import codecs
 import errno
 import os
 import re
@@ -102,6 +103,13 @@ def new_folder(path: Path) -> Iterator[Path]:
         shutil.rmtree(draft, ignore_errors=True)
         raise
     draft.rename(path)
+
+
+def read_text(path: Path) -> str:
+    """The text of a user's file: UTF-8, or UTF-16 if a byte order mark says so; the mark is left out."""
+    content = path.read_bytes()
+    is_wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    return content.decode("utf-16" if is_wide else "utf-8-sig")
 
 
 def write_bytes(path: Path, content: bytes) -> None:

@@ -146,12 +146,12 @@ def load(name_or_path: str | Weather) -> Weather:
         return name_or_path
     if not isinstance(name_or_path, str):
         raise InputError(f"weather: expected a name, a TOML file or a Weather, got {name_or_path!r}")
-    if name_or_path.endswith(".toml"):
-        return _read(Path(name_or_path))
-    name = ALIASES.get(name_or_path, name_or_path)
-    if name not in PRESETS:
+    name, path = ALIASES.get(name_or_path, name_or_path), Path(name_or_path)
+    if name in PRESETS:
+        return PRESETS[name]
+    if path.suffix != ".toml" and not path.is_file():
         raise unknown_name("weather", name_or_path, names())
-    return PRESETS[name]
+    return _read(path)
 
 
 def _read(path: Path) -> Weather:

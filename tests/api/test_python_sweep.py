@@ -1,13 +1,16 @@
 """`vpf_sim.sweep` and `vpf_sim.Run`: from one call to data frames, in worker processes where that can be."""
 
 import importlib
+import multiprocessing
 import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from little_room import limited
 from short_scenario import write_short
@@ -179,7 +182,10 @@ OWN = "give a class that a module defines, without a key"
         ("pid", {"timeout": float("inf")}, "timeout: expected seconds, more than 0 and up to 1000000, got inf"),
         ("pid", {"workers": -1}, "workers: expected a whole number >= 1, got -1"),
         ("pid", {"timeout": "5"}, "timeout: expected seconds > 0, got '5'"),
-        ("pid", {"seeds": range(0, 9, 3)}, "seeds: expected 'A:B' or a range of step 1, got range(0, 9, 3)"),
+        ("pid", {"seeds": []}, "seeds: expected 1 to 1000000 seeds, got []"),
+        ("pid", {"seeds": [3, 3]}, "seeds: expected different seeds, got 3 twice"),
+        ("pid", {"seeds": [3, -7]}, "seeds: expected whole numbers of up to 18 digits, got [3, -7]"),
+        ("pid", {"seeds": 3}, "seeds: expected whole numbers of up to 18 digits, got 3"),
         ("pid", {"seeds": "5:2"}, "sweep: seeds: expected A:B with A below B, got '5:2', which holds no seed"),
         ([], {}, "sweep: driver: expected at least one, got none"),
         ("pid", {"resume": True}, "resume: expected the folder of the run in out, got none"),
@@ -208,6 +214,55 @@ def test_a_module_loaded_anew_is_driven_as_it_is_now(short: Path, monkeypatch: p
     run = sweep(short, module.Ahead, workers=1)
     assert set(run.records["status"]) != {"success"}
     assert len(run.records) == 2
+
+
+def test_seeds_are_numbers_in_any_order(short: Path) -> None:
+    run = sweep(short, Speed(), seeds=np.array([7, 3]))
+    assert sorted(run.records["seed"]) == [3, 7]
+    assert read_manifest(run.path)["plan"]["seeds"] == "7,3"
+
+
+def in_a_process_without_others(short: Path, out: str, options: dict[str, Any]) -> list[str]:
+    return list(vpf_sim.sweep(short, driver="pid", seeds="0:2", out=out, progress=False, **options).records["status"])
+
+
+def test_a_worker_of_a_pool_drives_in_its_own_process(short: Path) -> None:
+    """Such a process is daemonic, so that it can start no workers."""
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        for out, options in (("default", {}), ("one", {"workers": 1})):
+            assert pool.apply(in_a_process_without_others, (short, out, options)) == ["success"] * 2
+        for options in ({"workers": 2}, {"timeout": 60.0}):
+            with pytest.raises(
+                vpf_sim.InputError, match=rf"^{next(iter(options))}: expected \w+ in a process that may start"
+            ):
+                pool.apply(in_a_process_without_others, (short, "refused", options))
+    assert not Path("refused").exists()
+
+
+@pytest.mark.slow
+def test_threads_and_executors_sweep_as_any_process(short: Path) -> None:
+    with ThreadPoolExecutor(2) as threads:
+        tasks = [threads.submit(in_a_process_without_others, short, f"thread{i}", {"workers": 1}) for i in range(2)]
+        assert [task.result() for task in tasks] == [["success"] * 2] * 2
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as processes:
+        assert processes.submit(in_a_process_without_others, short, "own", {"workers": 2}).result() == ["success"] * 2
+
+
+@pytest.mark.parametrize("is_theirs", [False, True])
+def test_an_error_before_the_first_episode_leaves_no_folder_that_blocks(
+    short: Path, monkeypatch: pytest.MonkeyPatch, is_theirs: bool
+) -> None:
+    def fails(*_: Any, **__: Any) -> None:
+        raise RuntimeError("no process can be started")
+
+    if is_theirs:
+        Path("mine").mkdir()
+    with monkeypatch.context() as patch:
+        patch.setattr("vpf_sim.evaluation.processes.pool.SPAWN.Process", fails)
+        with pytest.raises(RuntimeError, match="no process can be started"):
+            sweep(short, "pid", out="mine")
+    assert Path("mine").exists() == is_theirs
+    assert len(sweep(short, Speed(), out="mine", seeds=[4]).records) == 1
 
 
 def test_a_sweep_is_resumed(short: Path) -> None:

@@ -140,6 +140,9 @@ def test_a_users_own_class(module: str) -> None:
     assert driver.act(frame()) == Command(0.5, -0.5)
 
 
+WRITE = "write own_driver:Own"
+
+
 @pytest.mark.parametrize(
     ("name", "message"),
     [
@@ -148,8 +151,8 @@ def test_a_users_own_class(module: str) -> None:
             "no_such_module:Own",
             "driver 'no_such_module:Own': cannot import 'no_such_module': No module named 'no_such_module'",
         ),
-        ("own_driver:Won", "driver 'own_driver:Won': module 'own_driver' has no class 'Won'"),
-        ("own_driver:instance", "driver 'own_driver:instance': module 'own_driver' has no class 'instance'"),
+        ("own_driver:Won", f"driver 'own_driver:Won': module 'own_driver' has no class 'Won'; {WRITE}"),
+        ("own_driver:instance", f"driver 'own_driver:instance': module 'own_driver' has no class 'instance'; {WRITE}"),
         ("own_driver:NoAct", "driver 'own_driver:NoAct': expected privileged, reset and act; missing: act"),
         ("own_driver:Nosy", "driver 'own_driver:Nosy': privileged: expected none, route or world, got 'everything'"),
         (":Own", "driver ':Own': cannot import '': Empty module name"),

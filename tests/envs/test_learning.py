@@ -159,7 +159,7 @@ def test_levels_limit_the_draw_to_the_first_scenarios() -> None:
         ({"action_repeat": True}, "action_repeat: expected 1 to 60 ticks, got True"),
         ({"fov_deg": "wide"}, "fov_deg: expected a number of degrees, got 'wide'"),
         ({"grey": "yes"}, "grey: expected True or False, got 'yes'"),
-        ({"scenarios": []}, "scenarios: expected at least one, got none"),
+        ({"scenario": []}, "scenario: expected at least one, got none"),
         ({"weathers": "sunny"}, "weather 'sunny'"),
         ({"reward": {"lane": 1.0}}, "reward: expected a vpf_sim.envs.learning.RewardWeights, got {'lane': 1.0}"),
     ],

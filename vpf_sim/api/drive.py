@@ -115,7 +115,7 @@ def driven(
 
 def _checked_seed(seed: int) -> int:
     """The seed as Python's own number, also of numpy's."""
-    from vpf_sim.evaluation.sweeps.plan import MOST_DIGITS
+    from vpf_sim.evaluation.sweeps.seeds import MOST_DIGITS
 
     if isinstance(seed, bool) or not isinstance(seed, SupportsIndex) or not 0 <= index(seed) < 10**MOST_DIGITS:
         raise InputError(f"{option('seed')}: expected a whole number of 1 to {MOST_DIGITS} digits, got {shown(seed)}")

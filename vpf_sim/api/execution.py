@@ -43,8 +43,17 @@ class Execution:
         if self.cluster is not None and self.workers is not None:
             both = f"{option('workers')} or {option('cluster')}"
             raise InputError(f"{option('workers')}: expected {both}, got both; the cluster has its own workers")
+        self._check_process()
         for name in of_this_process(plan)[:1]:
             self._check_bound(name)
+
+    def _check_process(self) -> None:
+        """InputError for an option that a process without others cannot meet."""
+        from vpf_sim.evaluation.processes import pool
+
+        pool.check_workers(self.workers or 1)
+        if self.timeout is not None and not pool.may_start():
+            raise InputError(f"{option('timeout')}: expected none in {pool.DAEMONIC}, got {self.timeout:g}")
 
     def _check_bound(self, driver: str) -> None:
         """InputError for an option that cannot be met with a driver that only this process has."""

@@ -27,6 +27,7 @@ def fill(command: str, plan: Plan, how: Execution, show: bool = True) -> Path:
     how.check(plan)
     limit_s = sweep.limits(how.timeout)
     asked, bound = run_folder.manifest(command, plan), of_this_process(plan)
+    is_theirs = how.out is not None and how.out.exists()
     with cluster.connected(how.cluster, asked, how.mixed) as client, one_thread():
         folder = run_folder.RunFolder(how.out or run_folder.new_path(command), asked, how.resume, how.mixed)
         jobs = plan.jobs()
@@ -42,10 +43,14 @@ def fill(command: str, plan: Plan, how: Execution, show: bool = True) -> Path:
             with closing(results), _display(len(jobs), folder, show) as notify:
                 sweep.store(folder, results, notify)
             _summarize(folder, jobs)
-        except (KeyboardInterrupt, OSError, InputError):
-            say(f"stopped with {len(folder.done)} of {len(jobs)} episodes stored")
-            if not bound:
-                say(f"go on with: {how.resume_command(command, folder.path)}")
+        except BaseException as error:
+            may_go_on = isinstance(error, KeyboardInterrupt | OSError)
+            if not (may_go_on or folder.done or how.resume):
+                folder.discard(keep_folder=is_theirs)
+            elif may_go_on or isinstance(error, InputError):
+                say(f"stopped with {len(folder.done)} of {len(jobs)} episodes stored")
+                if not bound:
+                    say(f"go on with: {how.resume_command(command, folder.path)}")
             raise
         finally:
             folder.close()

@@ -13,6 +13,7 @@ from vpf_sim.drivers import DriverLike
 from vpf_sim.errors import InputError, shown
 from vpf_sim.evaluation.sweeps import run_folder
 from vpf_sim.evaluation.sweeps.plan import make_plan
+from vpf_sim.evaluation.sweeps.seeds import seeds_text
 
 Drivers: TypeAlias = DriverLike | Iterable[DriverLike] | Mapping[str, DriverLike]
 
@@ -22,7 +23,7 @@ def sweep(
     *,
     driver: Drivers = "vpf",
     weather: StrPath | Iterable[StrPath] = "clear",
-    seeds: str | range = "0:5",
+    seeds: str | Iterable[int] = "0:5",
     workers: int | None = None,
     timeout: float | None = None,
     cluster: str | None = None,
@@ -37,20 +38,20 @@ def sweep(
     >>> run.table[["weather", "driver", "success_rate"]]
 
     Of each kind, one or several are given, as to `drive`. Drivers in a mapping are called by its keys, as are two
-    instances of one class: `driver={"slow": MyDriver(4.0), "fast": MyDriver(8.0)}`. Seeds are "A:B", without B, or a
-    range. Worker processes drive side by side, by default one per core. They cannot import instances, nor classes of a
-    notebook or script: with any of these, all episodes are driven in this process, one after another. `timeout` is the
-    time limit of an episode in s, by default from its scenario. `cluster` is the address of a Dask scheduler, whose
-    workers drive instead. `out` is the run folder, by default a new one under runs/; with `resume` it is continued,
-    with `mixed` also by another version or machine. `progress` prints a line for each episode on stderr, or a bar on a
-    terminal.
+    instances of one class: `driver={"slow": MyDriver(4.0), "fast": MyDriver(8.0)}`. Seeds are "A:B", without B,
+    or numbers, as in a list or a range. Worker processes drive side by side, by default one per core. They cannot
+    import instances, nor classes of a notebook or script: with any of these, all episodes are driven in this process,
+    one after another, as in a worker of multiprocessing.Pool, which may start no processes. `timeout` is the time limit
+    of an episode in s, by default from its scenario. `cluster` is the address of a Dask scheduler, whose workers drive
+    instead. `out` is the run folder, by default a new one under runs/; with `resume` it is continued, with `mixed` also
+    by another version or machine. `progress` prints a line for each episode on stderr, or a bar on a terminal.
     Raises InputError for an unknown name, an unusable file or a class that is no driver.
     """
     table = {
         "scenario": texts("scenario", scenario),
         "weather": texts("weather", weather),
         "driver": _names(driver),
-        "seeds": seeds if isinstance(seeds, str) else _span(seeds),
+        "seeds": seeds if isinstance(seeds, str) else seeds_text(seeds, "seeds"),
     }
     folder = None if out is None else run_folder.located(Path(text("out", out)))
     how = Execution(workers, timeout, cluster, folder, resume, mixed)
@@ -81,10 +82,3 @@ def _check_key(key: object, driver: DriverLike) -> None:
         raise InputError(f"driver: '{key}' is the name of another driver; choose another key")
     if isinstance(driver, str):
         raise InputError(f"driver: '{key}': expected a class or an instance, got '{driver}'; give names in a list")
-
-
-def _span(seeds: range) -> str:
-    """A range as "A:B"."""
-    if not isinstance(seeds, range) or seeds.step != 1:
-        raise InputError(f"seeds: expected 'A:B' or a range of step 1, got {seeds!r}")
-    return f"{seeds.start}:{seeds.stop}"

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 def print_plan(plan: "Plan", run: "RunOptions") -> None:
     """Check a plan as a sweep would, and print its cells and episodes without driving or writing."""
     from vpf_sim.evaluation.sweeps.run_folder import admitted, manifest, read_records
+    from vpf_sim.evaluation.sweeps.seeds import seeds_text
 
     run.check(plan)
     with prints_on_stderr():
@@ -31,7 +32,7 @@ def print_plan(plan: "Plan", run: "RunOptions") -> None:
         rows = [dict(zip(keys, (*cell, seeds), strict=True)) for cell, seeds in cells.items()]
         print_json({"episodes": episodes, "stored": len(done), "cells": rows})
         return
-    lines = [(*cell, str(len(seeds)), in_short(seeds)) for cell, seeds in cells.items()]
+    lines = [(*cell, str(len(seeds)), seeds_text(seeds, "--seeds")) for cell, seeds in cells.items()]
     print_table(("scenario", "weather", "driver", "episodes", "seeds"), lines, words=3)
     stored = f", {len(done)} are stored" if run.resume else ""
     to_drive = f"{_counted(episodes, 'episode')} to drive in {_counted(len(cells), 'cell')}"
@@ -40,11 +41,3 @@ def print_plan(plan: "Plan", run: "RunOptions") -> None:
 
 def _counted(count: int, what: str) -> str:
     return f"{count} {what}" + "s" * (count != 1)
-
-
-def in_short(seeds: list[int]) -> str:
-    """Seeds as "A:B" without B where they follow each other, else one by one."""
-    first, last = min(seeds), max(seeds)
-    if sorted(seeds) == list(range(first, last + 1)):
-        return f"{first}:{last + 1}"
-    return " ".join(map(str, seeds))

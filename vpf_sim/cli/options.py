@@ -78,7 +78,9 @@ ResumeOption = Annotated[bool, typer.Option("--resume", help="Continue the run i
 MixedOption = Annotated[
     bool, typer.Option("--mixed", help="Continue with another version or machine; marks the new records.")
 ]
-SeedsOption = Annotated[str | None, typer.Option("--seeds", metavar="A:B", help="Seeds A to B, without B.")]
+SeedsOption = Annotated[
+    str | None, typer.Option("--seeds", metavar="A:B", help="Seeds A to B, without B; or a list, 3,7.")
+]
 WorkersOption = Annotated[
     int | None, typer.Option("--workers", metavar="N", min=1, help="Worker processes; by default one per core.")
 ]

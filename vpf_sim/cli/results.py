@@ -12,7 +12,7 @@ Row = dict[str, Any]
 
 def read_summary(path: Path) -> dict[str, Any]:
     """The summary of a finished run."""
-    summary: dict[str, Any] = json.loads((path / "summary.json").read_text("utf-8"))
+    summary: dict[str, Any] = json.loads((path / "summary.json").read_bytes())
     return summary
 
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 from vpf_sim.cli.options import prints_on_stderr
 from vpf_sim.cli.run_options import RunOptions
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.sweeps.plan import Plan, parse_seeds
+from vpf_sim.evaluation.sweeps.plan import Plan
+from vpf_sim.evaluation.sweeps.seeds import parse_seeds
 
 if TYPE_CHECKING:
     from vpf_sim.api.execution import Execution

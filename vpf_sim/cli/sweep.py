@@ -1,6 +1,5 @@
 """`vpf-sim sweep`: a grid of scenarios, weathers, drivers and seeds."""
 
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -10,7 +9,7 @@ from vpf_sim.cli.run_options import RunOptions, with_run_options
 from vpf_sim.shell import command
 
 FileArgument = Annotated[
-    Path | None,
+    str | None,
     typer.Argument(
         metavar="FILE", help="A sweep file, or hard, 99 episodes that come along; options override its values."
     ),

@@ -5,6 +5,7 @@ from importlib import import_module
 from typing import Protocol, TypeAlias, cast, get_args
 
 from vpf_sim import process_state
+from vpf_sim.drivers import own_names
 from vpf_sim.errors import InputError
 from vpf_sim.types import Command, Driver, DriverSetup, Observation, Privilege
 
@@ -94,12 +95,16 @@ def _class_at(name: str) -> type:
         with process_state.preserved():
             module = import_module(module_name)
     except (ImportError, ValueError) as error:
-        raise InputError(f"driver '{name}': cannot import '{module_name}': {error}") from error
+        fault = own_names.remedy(name) or f"cannot import '{module_name}': {error}"
+        raise InputError(f"driver '{name}': {fault}") from error
     except Exception as error:
-        raise InputError(f"driver '{name}': importing '{module_name}' raised {_one_line(error)}") from error
+        fault = own_names.remedy(name) or f"importing '{module_name}' raised {_one_line(error)}"
+        raise InputError(f"driver '{name}': {fault}") from error
     found = getattr(module, class_name, None)
     if not isinstance(found, type):
-        raise InputError(f"driver '{name}': module '{module_name}' has no class '{class_name}'")
+        fault = f"module '{module_name}' has no class '{class_name}'"
+        remedy = own_names.remedy(name)
+        raise InputError(f"driver '{name}': {fault}" + (f"; {remedy}" if remedy else ""))
     return found
 
 

@@ -6,12 +6,12 @@ from inspect import getdoc
 from pathlib import Path
 
 from vpf_sim import process_state
-from vpf_sim.drivers import own
+from vpf_sim.drivers import own, own_names
 from vpf_sim.drivers.idm import IdmDriver
 from vpf_sim.drivers.neutral import NeutralDriver
 from vpf_sim.drivers.route_followers import RouteDriver
 from vpf_sim.drivers.vision_driver import VisionDriver
-from vpf_sim.errors import unknown_name
+from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.types import Driver, Privilege
 
 VARIANT_PREFIX = "vpf@"  # before the name or file of a variant
@@ -140,7 +140,8 @@ def create(driver: own.DriverLike) -> Driver:
     if ":" in driver or own.is_kept(driver):
         return own.load(driver)
     if driver not in _REGISTRY:
-        raise unknown_name("driver", driver, _REGISTRY)
+        remedy = own_names.remedy(driver)
+        raise InputError(f"driver '{driver}': {remedy}") if remedy else unknown_name("driver", driver, _REGISTRY)
     return _REGISTRY[driver].make()
 
 

@@ -96,7 +96,7 @@ class ReplayFolder:
     def _continue(self, requested: dict[str, Any], mixed: bool) -> bool:
         """Check that the plan is the same; True if the fingerprint differs, which needs `mixed`."""
         try:
-            stored = json.loads((self.path / MANIFEST).read_text("utf-8"))
+            stored = json.loads((self.path / MANIFEST).read_bytes())
         except ValueError:
             raise InputError(f"{self.path / MANIFEST}: expected JSON, got something else") from None
         same_code = stored.get("fingerprint") == requested["fingerprint"]

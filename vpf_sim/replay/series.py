@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from vpf_sim.errors import InputError
+from vpf_sim.files import read_text
 from vpf_sim.geometry import unwrapped
 from vpf_sim.replay.plausible import LIMITS, Location, within_limits
 from vpf_sim.types import Bools, Floats
@@ -38,7 +39,7 @@ def numbers(file: Path, what: str) -> list[list[float]]:
 def lines(file: Path, what: str) -> list[str]:
     """The lines of a text file; `what` names the expected content."""
     try:
-        return file.read_text("utf-8-sig").splitlines()
+        return read_text(file).splitlines()
     except FileNotFoundError:
         raise InputError(f"{file}: expected {what}, found no file") from None
     except (OSError, ValueError) as error:  # ValueError: not text, or an impossible file name

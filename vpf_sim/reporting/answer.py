@@ -9,7 +9,8 @@ import numpy as np
 from vpf_sim.evaluation.analysis.comparisons import succeeded
 from vpf_sim.evaluation.analysis.statistics import Difference, paired_shares, share_interval
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.sweeps.plan import Plan, parse_seeds
+from vpf_sim.evaluation.sweeps.plan import Plan
+from vpf_sim.evaluation.sweeps.seeds import parse_seeds
 from vpf_sim.reporting.cells import Order, Row, formatted, interval_text, shown
 from vpf_sim.reporting.stored_run import Record
 
@@ -41,7 +42,7 @@ def _seeds(plan: Plan) -> str:
     if plan.drives:
         return f"{len(plan.drives)} drives"
     seeds = parse_seeds(plan.seeds)
-    return f"seed {seeds.start}" if len(seeds) == 1 else f"seeds {plan.seeds}"
+    return f"seed {seeds[0]}" if len(seeds) == 1 else f"seeds {plan.seeds}"
 
 
 def sentences(rows: Sequence[Row], order: Order, against: Difference | None, command: str = "sweep") -> list[str]:

@@ -6,7 +6,8 @@ from pathlib import Path
 
 from vpf_sim import drivers
 from vpf_sim.evaluation.sweeps.fingerprint import commit_of
-from vpf_sim.evaluation.sweeps.plan import Plan, parse_seeds
+from vpf_sim.evaluation.sweeps.plan import Plan
+from vpf_sim.evaluation.sweeps.seeds import parse_seeds
 from vpf_sim.reporting.cells import MAIN, NONE, Column, Row, cell, driver_row, shown
 from vpf_sim.reporting.run_data import RunData
 from vpf_sim.reporting.stored_run import open_run
@@ -110,7 +111,7 @@ def _seeds(plan: Plan) -> str:
 
 def _purpose(plan: Plan) -> str:
     """What a block of seeds is for, by the project's rule."""
-    first = min(drive[2] for drive in plan.drives) if plan.drives else parse_seeds(plan.seeds).start
+    first = min(drive[2] for drive in plan.drives) if plan.drives else min(parse_seeds(plan.seeds))
     return "development" if first < DEVELOPMENT_SEEDS_BELOW else "evaluation"
 
 

@@ -65,7 +65,7 @@ class StoredRun:
         if not path.exists():
             return with_paper(summarize(jobs, self.records.values(), self.manifest))
         try:
-            summary = json.loads(path.read_text("utf-8"))
+            summary = json.loads(path.read_bytes())
         except ValueError:
             summary = None
         if not isinstance(summary, dict):

@@ -19,6 +19,7 @@ from vpf_sim.evaluation.analysis.statistics import (
 )
 from vpf_sim.evaluation.gate.cells import FAULTS, Cell, Run, read_run, values_of, worst_first
 from vpf_sim.evaluation.gate.rules import Score
+from vpf_sim.files import read_text
 
 SHARES = (
     "success_rate",
@@ -81,7 +82,7 @@ def read(path: Path) -> Run | Summary:
     if path.suffix != ".json":
         return read_run(path)
     try:
-        rows = Table.model_validate_json(path.read_text("utf-8")).rows
+        rows = Table.model_validate_json(read_text(path)).rows
     except OSError as error:
         raise InputError(f"{path}: expected a readable summary, got: {error.strerror}") from None
     except (UnicodeDecodeError, ValidationError):

@@ -69,7 +69,7 @@ def read(path: Path) -> Table:
     """The table stored in a file or a run folder."""
     file = path / NAME if path.is_dir() else path
     try:
-        stored: Any = json.loads(file.read_text("utf-8"))
+        stored: Any = json.loads(file.read_bytes())
     except OSError as error:
         hint = f"; {command('perception', path)} creates it" if path.is_dir() else ""
         raise InputError(f"{file}: expected a table of perception, got: {error.strerror}{hint}") from None

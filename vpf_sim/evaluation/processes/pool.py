@@ -18,6 +18,7 @@ from time import monotonic
 from types import ModuleType
 from typing import Any, Generic, TypeVar
 
+from vpf_sim.errors import InputError, option
 from vpf_sim.evaluation.processes import watchdog
 from vpf_sim.evaluation.processes.threads import limit_opencv, limited_environment
 
@@ -30,6 +31,7 @@ GRACE_S = 30.0  # beyond the limit, until a worker that did not end itself is ki
 START_S = 600.0  # for a worker to start: slow on a busy machine, and not the task's fault
 LONGEST_LOG = 1 << 16  # bytes
 SPAWN = multiprocessing.get_context("spawn")  # a fork would copy locks and OpenCV's state
+DAEMONIC = "a process that may start no others, such as a worker of multiprocessing.Pool"
 STARTING = Lock()  # while a process starts, the environment and the main module are exchanged
 
 
@@ -65,6 +67,23 @@ class _Worker(Generic[Task]):
         return self.started_s + self.limit_s + GRACE_S - monotonic()
 
 
+def may_start() -> bool:
+    """Whether this process may start others: Python refuses it to daemonic ones."""
+    return not multiprocessing.current_process().daemon
+
+
+def check_workers(workers: int) -> None:
+    """InputError for more workers than this process may have."""
+    if workers > 1 and not may_start():
+        raise InputError(f"{option('workers')}: expected 1 in {DAEMONIC}, got {workers}")
+
+
+def here(work: Callable[[Task], Result], tasks: Iterable[Task]) -> Generator[Done[Task, Result], None, None]:
+    """Yield the results of tasks that are done in this process, one after another, without a time limit."""
+    for task in tasks:
+        yield Done(task, work(task), attempts=1, worker=0)
+
+
 def unlimited(_: object) -> float:
     """No time limit."""
     return inf
@@ -75,8 +94,13 @@ def run(
 ) -> Generator[Done[Task, Result], None, None]:
     """Yield results as they are ready; closing the generator, or any exception, ends the workers.
 
-    `work` must be importable by name. Its exceptions are raised here.
+    `work` must be importable by name. Its exceptions are raised here. In a process that may start no others, such as a
+    worker of multiprocessing.Pool, the tasks are done in it, without a time limit.
     """
+    check_workers(workers)
+    if not may_start():
+        yield from here(work, tasks)
+        return
     waiting = deque((task, 1) for task in tasks)
     pool: list[_Worker[Task]] = []
     try:

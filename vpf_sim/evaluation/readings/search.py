@@ -18,7 +18,8 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation.analysis.benchmark import PAPER
 from vpf_sim.evaluation.readings import space
 from vpf_sim.evaluation.readings.space import Quantity, Reading
-from vpf_sim.evaluation.sweeps.plan import Plan, parse_seeds
+from vpf_sim.evaluation.sweeps.plan import Plan
+from vpf_sim.evaluation.sweeps.seeds import parse_seeds
 from vpf_sim.files import write_text
 
 CELLS = (("town04", "clear"), ("town04-clean", "clear"), ("town04", "rain"), ("town04-clean", "rain"))

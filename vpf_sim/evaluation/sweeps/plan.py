@@ -12,11 +12,9 @@ from vpf_sim import configuration
 from vpf_sim.configuration import setting, settings
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.sweeps.seeds import parse_seeds, seeds_text
 
-MOST_DIGITS = 18  # of a seed
 SHIPPED = ("hard",)  # plans that come with the package
-MOST_SEEDS = 1_000_000  # of one run: more is a typing error and does not fit into memory
-
 
 Drive = tuple[str, str, Annotated[int, Field(ge=0)]]  # scenario, weather and seed
 
@@ -28,7 +26,7 @@ class Plan:
     scenario: tuple[str, ...] = setting("names or files", min_length=1)
     weather: tuple[str, ...] = setting("names or files", min_length=1)
     driver: tuple[str, ...] = setting("names", min_length=1)
-    seeds: str = setting('"A:B", half open')
+    seeds: str = setting('"A:B", half open, or a list of numbers')
     drives: tuple[Drive, ...] = setting("scenario, weather and seed of single drives", default=())
 
     def jobs(self) -> list[Job]:
@@ -74,28 +72,17 @@ class Plan:
         return cls((job.scenario,), (job.weather,), (job.driver,), f"{job.seed}:{job.seed + 1}")
 
 
-def parse_seeds(text: str, where: str = "--seeds") -> range:
-    """The seeds A, A + 1, ..., B - 1 of "A:B"."""
-    first, colon, last = text.partition(":")
-    if not (colon and all(number.isdecimal() and len(number) <= MOST_DIGITS for number in (first, last))):
-        raise InputError(f"{where}: expected A:B with whole numbers, such as 1000:1030, got '{text[:60]}'")
-    seeds = range(int(first), int(last))
-    if not seeds:
-        raise InputError(f"{where}: expected A:B with A below B, got '{text}', which holds no seed")
-    if seeds.stop - seeds.start > MOST_SEEDS:
-        raise InputError(f"{where}: expected at most {MOST_SEEDS} seeds, got '{text}'")
-    return seeds
-
-
-def read_plan(path: Path) -> dict[str, Any]:
-    """The keys and values of a sweep file, or of a plan of SHIPPED by its name."""
-    if str(path) in SHIPPED and not path.exists():
-        return configuration.read("vpf_sim.evaluation.sweeps", f"{path}.toml")
-    return configuration.read_file(path, "sweep")
+def read_plan(name_or_path: str) -> dict[str, Any]:
+    """The keys and values of a plan of SHIPPED by its name, or of a sweep file."""
+    if name_or_path in SHIPPED:
+        return configuration.read("vpf_sim.evaluation.sweeps", f"{name_or_path}.toml")
+    return configuration.read_file(Path(name_or_path), "sweep")
 
 
 def make_plan(table: dict[str, Any], where: str) -> Plan:
     """A validated plan from keys and values; messages call their source `where`."""
+    if isinstance(seeds := table.get("seeds"), list):
+        table = {**table, "seeds": seeds_text(seeds, f"{where}: seeds")}
     plan = configuration.build(Plan, table, where) if "drives" not in table else _of_drives(table, where)
     if not plan.drives:
         parse_seeds(plan.seeds, f"{where}: seeds")

@@ -214,7 +214,7 @@ def read_manifest(path: Path) -> dict[str, Any]:
     """The validated manifest of a run folder."""
     file = path / MANIFEST
     try:
-        stored: Any = json.loads(file.read_text("utf-8"))
+        stored: Any = json.loads(file.read_bytes())
     except OSError as error:
         raise InputError(f"{file}: expected the manifest of a run, got: {error.strerror}") from None
     except (ValueError, RecursionError):

@@ -34,8 +34,7 @@ def local(folder: RunFolder, jobs: Iterable[Job], workers: int, limit_s: Limit) 
 
 def here(folder: RunFolder, jobs: Iterable[Job]) -> Results:
     """Drive in this process, one after another, without a time limit: for drivers that no other process can import."""
-    for job in jobs:
-        yield pool.Done(job, drive_and_store(folder.path, folder.mark, folder.asked, job), attempts=1, worker=0)
+    return pool.here(partial(drive_and_store, folder.path, folder.mark, folder.asked), jobs)
 
 
 def store(
@@ -100,7 +99,9 @@ def drive(mark: str | None, job: Job) -> tuple[dict[str, Any], dict[str, Any], s
 
 
 def default_workers() -> int:
-    """The number of cores that this process may use."""
+    """The number of cores that this process may use; 1 if it may start no other processes."""
+    if not pool.may_start():
+        return 1
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
