@@ -28,7 +28,7 @@ file, key, what was expected and what stands there.
 """
 VARIANT = """## Variant of the driver
 `--driver vpf@FILE.toml` drives with a file of your own, which says what it changes. `base` names the variant or
-ablation step that it starts from; without it that is `robust`, the variant of `vpf`. A section can be taken whole from
+ablation step it starts from; without it that is `robust`, the variant of `vpf`. A section can be taken whole from
 another variant by its name, and `"none"` leaves an optional section out:
 ```toml
 base = "robust"

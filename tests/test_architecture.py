@@ -56,7 +56,6 @@ EVALUATION = [
     "episode",
     "sweeps",
     "analysis",
-    "readings",
     "perception",
     "gate",
     "machine",

@@ -146,7 +146,7 @@ def test_each_dependency_is_explained() -> None:
 
 def test_the_development_extra_installs_what_tests_of_other_extras_need() -> None:
     (own,) = [one for one in PROJECT["project"]["optional-dependencies"]["dev"] if one.startswith("vpf_sim[")]
-    assert Requirement(own).extras == {"cluster", "export", "onnx", "readings", "video"}
+    assert Requirement(own).extras == {"cluster", "export", "onnx", "video"}
 
 
 def test_the_base_installation_leaves_the_heavy_libraries_out(wheel: Path) -> None:
@@ -155,7 +155,7 @@ def test_the_base_installation_leaves_the_heavy_libraries_out(wheel: Path) -> No
         asked = message_from_bytes(archive.read(name)).get_all("Requires-Dist") or []
     base = {Requirement(one).name for one in asked if "extra ==" not in one}
     assert "numpy" in base
-    assert not base & {"av", "dask", "h5py", "onnxruntime", "optuna", "pyarrow", "rerun-sdk", "torch"}
+    assert not base & {"av", "dask", "h5py", "onnxruntime", "pyarrow", "rerun-sdk", "torch"}
 
 
 def test_the_wheel_has_one_top_level_name_and_all_data(wheel: Path) -> None:

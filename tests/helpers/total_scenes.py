@@ -27,7 +27,7 @@ from vpf_sim.types import (
 
 CAMERA, VEHICLE = Camera(), VehicleModel()
 MOST = float(np.finfo(float).max)
-VARIANTS = ("robust", "paper", "literal", "super-twisting", *variant.ablation())
+VARIANTS = variant.names()
 NO_IMAGE = np.zeros((0, 0, 3), np.uint8)
 
 load: Any = cache(variant.load)

@@ -9,7 +9,6 @@ import typer
 
 from vpf_sim import __version__, system
 from vpf_sim.cli import (
-    ablate,
     benchmark,
     check,
     doctor,
@@ -19,7 +18,6 @@ from vpf_sim.cli import (
     gallery,
     perception,
     profile,
-    readings,
     replay,
     report,
     reproduce,
@@ -39,8 +37,6 @@ SIMULATING = (
     "drive",
     "sweep",
     "benchmark",
-    "ablate",
-    "readings",
     "reproduce",
     "replay",
     "profile",
@@ -82,8 +78,6 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     drive.drive,
     sweep.sweep,
     benchmark.benchmark,
-    ablate.ablate,
-    readings.readings,
     replay.replay,
     score.score,
     report.report,

@@ -11,7 +11,8 @@ from vpf_sim.shell import command
 FileArgument = Annotated[
     str | None,
     typer.Argument(
-        metavar="FILE", help="A sweep file, or hard, 99 episodes that come along; options override its values."
+        metavar="FILE",
+        help="A sweep file, hard (99 hard episodes) or ablation (from vpf-paper to vpf); options override it.",
     ),
 ]
 DryRunOption = Annotated[bool, typer.Option("--dry-run", help="Show what would be driven; drive and write nothing.")]

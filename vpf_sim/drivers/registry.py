@@ -148,10 +148,7 @@ def create(driver: own.DriverLike) -> Driver:
 def _summary(name: str, driver: Driver) -> str:
     """A variant's or policy's summary, or the first line of the docstring of a user's class."""
     if name.startswith(VARIANT_PREFIX):
-        from vpf_sim.planning import variant
-
-        which = name.removeprefix(VARIANT_PREFIX)
-        return variant.summary(which) or f"the vision driver, variant {which}"
+        return f"the vision driver, variant {name.removeprefix(VARIANT_PREFIX)}"
     if name.startswith(MODEL_PREFIX):
         from vpf_sim.drivers.learned import manifest
 

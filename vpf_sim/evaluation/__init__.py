@@ -11,7 +11,6 @@ Each package imports only packages above it:
 - episode: the closed loop, its step log and stage timing
 - sweeps: many episodes, and their run folder
 - analysis: statistics, comparisons and tables of a run's records
-- readings: a search over what the paper leaves open
 - perception: open-loop evaluation of perception on the poses of stored drives
 - gate: pass/fail rules for a run, for CI
 - machine: installation checks and profiling

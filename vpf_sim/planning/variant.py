@@ -1,16 +1,13 @@
 """A variant of the method: the configuration of every stage, read from a TOML file in variants/, or from a user's own.
 
-Between `full-frame` and `robust`, and between `literal` and `paper`, lie the steps of the ablations
-(`vpf_sim.planning.variants.ablation_steps`, `repair_steps`), each by its name. A file may say with `base` which of
-these it starts from, and then only what it changes; one's own starts from `robust` if it does not. A section given as
-the name of a variant, `flow = "robust"`, is that variant's.
+A file may say with `base` which variant it starts from, and then only what it changes; one's own starts from `robust`
+if it does not. A section given as the name of a variant, `flow = "robust"`, is that variant's.
 """
 
-from copy import deepcopy
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any
 
 from vpf_sim import configuration
 from vpf_sim.configuration import setting, settings
@@ -25,12 +22,9 @@ from vpf_sim.perception.plausible import PlausibilityConfig
 from vpf_sim.perception.road.config import RoadEdgeConfig
 from vpf_sim.planning.lane.config import LanePlannerConfig
 from vpf_sim.planning.paper.planner import PaperPlannerConfig
-from vpf_sim.planning.variants import knockouts, repair_steps
-from vpf_sim.planning.variants.ablation_steps import steps
 
 PACKAGE = "vpf_sim.planning.variants"
 BASE = "robust"
-Chain = Literal["robust", "paper", "without", "mechanisms"]
 
 
 @settings
@@ -90,51 +84,19 @@ def names() -> list[str]:
 
 
 def load(name: str) -> Variant:
-    """The variant or step of that name, or of that TOML file."""
+    """The variant of that name, or of that TOML file."""
     if not name.endswith(".toml"):
         return configuration.build(Variant, _table(name), f"{name}.toml")
     own = {"base": BASE, **configuration.read_file(Path(name), "variant")}
     return configuration.build(Variant, _whole(own, name), name, also=("base",))
 
 
-def ablation(chain: Chain = "robust") -> dict[str, str]:
-    """What each step of a chain changes, by its name, in order.
-
-    `robust`: from `full-frame` to `robust`; `paper`: from `literal` to `paper`; `without`: `paper` without one repair;
-    `mechanisms`: `robust` without one mechanism.
-    """
-    return {name: summary for name, (summary, _) in _steps(chain).items()}
-
-
-def summary(name: str) -> str | None:
-    """What a step of any chain changes; None of a name that is no step."""
-    return next((steps[name] for steps in map(ablation, get_args(Chain)) if name in steps), None)
-
-
-def table(name: str) -> dict[str, Any]:
-    """The whole table of a variant or step, with what it takes from others; a copy of the caller's own."""
-    return deepcopy(_table(name))
-
-
 @cache
 def _table(name: str) -> dict[str, Any]:
-    """The same, read once: it must not be changed."""
+    """The whole table of a variant, read once: it must not be changed."""
     if name in names():
         return _whole(configuration.read(PACKAGE, f"{name}.toml"), f"{name}.toml")
-    between = {step: found for chain in get_args(Chain) for step, (_, found) in _steps(chain).items()}
-    if name in between:
-        return between[name]
-    raise unknown_name("variant", name, [*names(), *between])
-
-
-@cache
-def _steps(chain: Chain) -> dict[str, tuple[str, dict[str, Any]]]:
-    if chain == "robust":
-        return steps(_table("full-frame"), _table("robust"))
-    if chain == "mechanisms":
-        return knockouts.knockouts(Variant, _table("robust"))
-    make = repair_steps.made if chain == "paper" else repair_steps.taken_back
-    return make(_table("literal"), _table("paper"))
+    raise unknown_name("variant", name, names())
 
 
 def _whole(own: dict[str, Any], file: str) -> dict[str, Any]:

@@ -14,7 +14,8 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.sweeps.seeds import parse_seeds, seeds_text
 
-SHIPPED = ("hard",)  # plans that come with the package
+SHIPPED = ("ablation", "hard")  # plans that come with the package
+
 
 Drive = tuple[str, str, Annotated[int, Field(ge=0)]]  # scenario, weather and seed
 

@@ -1,70 +1,48 @@
-"""From `full-frame` to `robust` one change at a time: the steps, and variants of one's own laid over them."""
+"""The steps from `paper` to `robust`, and variants of one's own."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
 from vpf_sim import drivers
 from vpf_sim.errors import InputError
+from vpf_sim.evaluation.sweeps.plan import make_plan, read_plan
 from vpf_sim.planning import variant
 from vpf_sim.planning.variant import Variant
-from vpf_sim.planning.variants.ablation_steps import CHANGES, Change, Table, steps
 
-PAPER, ROBUST = (variant.table(name) for name in ("full-frame", "robust"))
-STEPS = steps(PAPER, ROBUST)
-
-
-def leaves(table: Table, path: str = "") -> dict[str, object]:
-    """Value by dotted key."""
-    found: dict[str, object] = {}
-    for key, value in table.items():
-        where = f"{path}{key}"
-        found |= leaves(value, f"{where}.") if isinstance(value, dict) and value else {where: value}
-    return found
+STEPS = make_plan(read_plan("ablation"), "ablation").driver
+CHANGES = [
+    {"gains", "controller"},
+    {"odometry"},
+    {"camera_pitch"},
+    {"static_obstacles", "lane_planner", "paper_planner", "obstacle_map"},
+    {"moving_obstacles"},
+]
 
 
-def test_the_changes_lead_from_full_frame_to_robust() -> None:
-    """A key of robust that no change takes over shows here: give it a change in planning/variants/ablation_steps.py."""
-    last = [*STEPS.values()][-1][1]
-    assert leaves(last) == leaves(ROBUST)
-    assert variant.load([*STEPS][-1]) == variant.load("robust")
+def differences(one: Variant, other: Variant) -> set[str]:
+    """The sections in which two variants differ."""
+    return {field.name for field in fields(Variant) if getattr(one, field.name) != getattr(other, field.name)}
 
 
-def test_each_step_changes_what_it_names_and_nothing_else() -> None:
-    by_name: dict[str, Change] = {change.name: change for change in CHANGES}
-    before = leaves(PAPER)
-    for name, (_, table) in STEPS.items():
-        after, change = leaves(table), by_name[name]
-        moved = {key for key in before.keys() | after.keys() if before.get(key) != after.get(key)}
-        assert moved
-        assert all(any(f"{key}.".startswith(f"{path}.") for path in change.takes) for key in moved)
-        before = after
+def test_the_ablation_leads_from_the_papers_law_to_ours() -> None:
+    """A section that differs in `paper` and `robust` and that no step changes shows here."""
+    assert (STEPS[0], STEPS[-1]) == ("vpf-paper", "vpf")
+    names = ["paper", *(step.removeprefix("vpf@") for step in STEPS[1:-1]), "robust"]
+    variants = [variant.load(name) for name in names]
+    assert [differences(one, other) for one, other in pairwise(variants)] == CHANGES
 
 
-def test_each_step_can_be_built_and_is_a_driver() -> None:
-    assert [*variant.ablation()] == [*STEPS]
-    for name in STEPS:
-        assert isinstance(variant.load(name), Variant)
-        assert drivers.create(f"vpf@{name}").privileged == "none"
-        assert drivers.description(f"vpf@{name}").summary == STEPS[name][0]
+def test_each_step_is_a_driver_without_privilege() -> None:
+    assert all(drivers.create(step).privileged == "none" for step in STEPS)
 
 
 def test_the_super_twisting_variant_is_robust_with_other_gains() -> None:
     twisting, robust = variant.load("super-twisting"), variant.load("robust")
     assert (twisting.gains, robust.gains) == ("super-twisting", "robust")
     assert replace(twisting, gains="robust") == robust
-
-
-def test_a_change_that_changes_nothing_is_no_step() -> None:
-    assert "flow" in STEPS
-    assert "flow" not in steps(PAPER, ROBUST | {"flow": PAPER["flow"]})
-
-
-def test_the_tables_that_steps_are_made_of_stay_as_they_are() -> None:
-    again = (variant.table(name) for name in ("full-frame", "robust"))
-    steps(PAPER, ROBUST)
-    assert tuple(again) == (PAPER, ROBUST)
 
 
 def written(folder: Path, text: str) -> str:
@@ -98,6 +76,7 @@ def test_a_section_by_a_variants_name_is_taken_whole_from_it(tmp_path: Path) -> 
     [
         ('base = "robus"', "unknown variant 'robus': did you mean 'robust'?"),
         ("base = 3", "mine.toml: base: expected the name of a variant, got 3"),
+        ("[flwo]\nx = 1", "mine.toml: flwo: unknown key, did you mean 'flow'?"),
         ("[flow]\nwindow = 3", "mine.toml: flow.window: unknown key, did you mean 'window_s'?"),
         ('road_edges = "robus"', "mine.toml: road_edges: unknown variant 'robus': did you mean 'robust'?"),
         ('odometry = "paper"', "mine.toml: odometry: expected a variant with [odometry], got 'paper'"),

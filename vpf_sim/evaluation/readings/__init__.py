@@ -1,1 +1,0 @@
-"""Readings of the paper: the space of its unspecified quantities, and a search over it."""
