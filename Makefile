@@ -21,7 +21,7 @@ $(VENV)/installed: pyproject.toml
 
 core: $(CORE)
 
-$(CORE): $(wildcard envs/camera/core/*.[ch] building/*.py) setup.py | $(VENV)/installed
+$(CORE): $(wildcard envs/camera/core/*.[ch] envs/camera/core/*/*.[ch] building/*.py) setup.py | $(VENV)/installed
 	$(BIN)/python -m building
 
 test: lint types unit

@@ -33,13 +33,14 @@ def include_folders() -> list[str]:
     return [] if Path(sysconfig.get_path("include"), "Python.h").exists() else [str(HEADERS)]
 
 
-def compile_with_zig(sources: Sequence[str], macros: Mapping[str, str], target: Path) -> None:
+def compile_with_zig(sources: Sequence[str], include: Sequence[str], macros: Mapping[str, str], target: Path) -> None:
     """Compile and link an extension module in one call of zig, for any processor of this kind."""
     if find_spec("ziglang") is None:
         raise SystemExit(f"no C compiler found: install one, or run `pip install '{ZIG}'`")
     target.parent.mkdir(parents=True, exist_ok=True)
-    zig = [sys.executable, "-m", "ziglang", "cc", *FLAGS, "-mcpu=baseline", "-fPIC", "-shared", "-s", f"-I{HEADERS}"]
+    zig = [sys.executable, "-m", "ziglang", "cc", *FLAGS, "-mcpu=baseline", "-fPIC", "-shared", "-s"]
     given = [f"-D{name}={value}" for name, value in macros.items()]
+    given += [f"-I{folder}" for folder in (*include, HEADERS)]
     subprocess.run([*zig, *given, *sources, *_linked(), "-o", str(target)], check=True)
 
 

@@ -15,14 +15,14 @@ DIGEST = runpy.run_path(str(FOLDER / "sources.py"))["digest"](FOLDER)
 
 
 def core() -> Extension:
-    """The extension from all C files of its folder; paths are relative, as setuptools wants them."""
-    files = sorted(path.relative_to(ROOT).as_posix() for path in FOLDER.glob("*.[ch]"))
+    """The extension from all C files in its folder and below; paths are relative, as setuptools wants them."""
+    files = sorted(path.relative_to(ROOT).as_posix() for path in FOLDER.rglob("*.[ch]"))
     return Extension(
         "vpf_sim.envs.camera.core._core",
         sources=[name for name in files if name.endswith(".c")],
         depends=[name for name in files if name.endswith(".h")],
         define_macros=[("Py_LIMITED_API", "0x030B0000"), ("VC_SOURCES", DIGEST)],
-        include_dirs=compiler.include_folders(),
+        include_dirs=[FOLDER.relative_to(ROOT).as_posix(), *compiler.include_folders()],
         libraries=["python3"] if compiler.WINDOWS else ["m"],
         py_limited_api=True,
     )
@@ -35,7 +35,7 @@ class BuildCore(build_ext):
         """Compile one extension."""
         if not compiler.has_compiler():
             target = Path(self.get_ext_fullpath(ext.name))
-            compiler.compile_with_zig(ext.sources, dict(ext.define_macros), target)
+            compiler.compile_with_zig(ext.sources, ext.include_dirs[:1], dict(ext.define_macros), target)
             return
         ext.extra_compile_args = [*(compiler.VISUAL_STUDIO if compiler.WINDOWS else compiler.FLAGS)]
         if os.environ.get("VPF_SIM_CORE") == "debug":

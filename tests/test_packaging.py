@@ -105,7 +105,7 @@ def test_the_sdist_has_what_a_build_needs_and_no_more(built: Path) -> None:
     folders = {name.partition("/")[0] for name in names if "/" in name}
     assert folders == {*MAPPED.values(), "building", "vpf_sim.egg-info"}
     assert names >= {"pyproject.toml", "setup.py", "README.md", "LICENSE", "CHANGELOG.md", "CITATION.cff"}
-    built_from = [*(ROOT / "building").rglob("*.py"), *(ROOT / "building").rglob("*.h"), *CORE.glob("*.[ch]")]
+    built_from = [*(ROOT / "building").rglob("*.py"), *(ROOT / "building").rglob("*.h"), *CORE.rglob("*.[ch]")]
     assert names >= {path.relative_to(ROOT).as_posix() for path in built_from}
     inside = {name for name in names if name.partition("/")[0] in MAPPED.values()}
     assert {name.rpartition(".")[2] for name in inside} == SOURCE_OF_PACKAGE | {"c", "h"}

@@ -74,6 +74,7 @@ typedef struct {
 #define PyBUF_C_CONTIGUOUS (0x0020 | PyBUF_STRIDES)
 
 PyAPI_FUNC(PyObject *) PyModule_Create2(PyModuleDef *, int);
+PyAPI_FUNC(int) PyModule_AddFunctions(PyObject *, PyMethodDef *);
 PyAPI_FUNC(int) PyModule_AddStringConstant(PyObject *, const char *, const char *);
 PyAPI_FUNC(int) PyArg_ParseTuple(PyObject *, const char *, ...);
 PyAPI_FUNC(PyObject *) Py_BuildValue(const char *, ...);
@@ -87,6 +88,8 @@ PyAPI_FUNC(PyObject *) PyErr_Occurred(void);
 PyAPI_FUNC(void) PyErr_SetString(PyObject *, const char *);
 PyAPI_FUNC(PyObject *) PyErr_Format(PyObject *, const char *, ...);
 PyAPI_FUNC(PyObject *) PyErr_NoMemory(void);
+PyAPI_FUNC(void *) PyMem_Malloc(size_t);
+PyAPI_FUNC(void) PyMem_Free(void *);
 PyAPI_DATA(PyObject *) PyExc_ValueError;
 
 #endif

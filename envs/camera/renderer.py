@@ -8,7 +8,7 @@ from highway_env.vehicle.objects import RoadObject
 from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.atmosphere import Atmosphere
-from vpf_sim.envs.camera.glass.glass import Glass
+from vpf_sim.envs.camera.glass import Glass
 from vpf_sim.envs.camera.ground.ground import Ground
 from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.layout import lane_shapes
@@ -101,9 +101,9 @@ class Renderer:
     def skip(self, ego: Carrier, time_s: float) -> None:
         """Skip a frame; later frames are the same to the last bit.
 
-        The frame is drawn only if later frames reuse parts of it (reflections, drops on the glass).
+        The frame is drawn only if later frames reuse parts of it (reflections).
         """
-        if self._wet_road.is_due or self._glass.is_due(time_s) or self._exposure.is_due(time_s):
+        if self._wet_road.is_due or self._exposure.is_due(time_s):
             self.render(ego, time_s)
             return
         now, before = self._advance(ego, time_s)

@@ -1,6 +1,7 @@
 """Other builds of the camera's core, and code that runs with one of them."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -13,7 +14,8 @@ from building import compiler
 from vpf_sim.envs.camera.core import SOURCES
 
 FOLDER = Path(__file__).parents[2] / "envs" / "camera" / "core"
-FILES = sorted(map(str, FOLDER.glob("*.c")))
+FILES = sorted(map(str, FOLDER.rglob("*.c")))
+WITHOUT_PYTHON = [path for path in FILES if not re.search('"bind.h"|<Python.h>', Path(path).read_text("utf-8"))]
 HAS_GCC = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 PRELUDE = """
 import importlib.util, sys
@@ -27,7 +29,14 @@ sys.modules[spec.name] = module
 def build(folder: Path, command: Sequence[str]) -> Path:
     """The core as a compiler makes it with these flags after those of every build."""
     target = folder / "_core.abi3.so"
-    given = [f"-DVC_SOURCES={SOURCES}", "-DPy_LIMITED_API=0x030B0000", f"-I{compiler.HEADERS}", "-fPIC", "-shared"]
+    given = [
+        f"-DVC_SOURCES={SOURCES}",
+        "-DPy_LIMITED_API=0x030B0000",
+        f"-I{FOLDER}",
+        f"-I{compiler.HEADERS}",
+        "-fPIC",
+        "-shared",
+    ]
     first, *flags = command
     done = subprocess.run(
         [first, *compiler.FLAGS, *given, *flags, *FILES, "-lm", "-o", str(target)], capture_output=True, text=True

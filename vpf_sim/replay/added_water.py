@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
-from vpf_sim.envs.camera.glass.glass import Glass
+from vpf_sim.envs.camera.glass import Glass
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.scenery.scene import Snapshot
 from vpf_sim.envs.camera.view import View

@@ -1,6 +1,7 @@
 /* The Python module `_core`: checks and unpacks arguments, then calls the core. Nothing is computed here. */
 #include <Python.h>
 
+#include "bind.h"
 #include "vc_math.h"
 
 #define TEXT(token) TEXT_OF(token)
@@ -54,7 +55,8 @@ static struct PyModuleDef MODULE = {PyModuleDef_HEAD_INIT, "_core", NULL, 0, MET
 
 PyMODINIT_FUNC PyInit__core(void) {
     PyObject *module = PyModule_Create(&MODULE);
-    if (module != NULL && PyModule_AddStringConstant(module, "SOURCES", TEXT(VC_SOURCES)) < 0) {
+    if (module == NULL) return NULL;
+    if (PyModule_AddStringConstant(module, "SOURCES", TEXT(VC_SOURCES)) < 0 || vc_bind_glass(module) < 0) {
         Py_DecRef(module);
         return NULL;
     }

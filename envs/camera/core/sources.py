@@ -5,7 +5,7 @@ from pathlib import Path
 
 
 def digest(folder: Path) -> str:
-    """SHA-256 over the C files of a folder; empty if it has none."""
-    files = sorted(folder.glob("*.[ch]"))
-    content = b"".join(path.name.encode() + b"\n" + path.read_bytes() for path in files)
+    """SHA-256 over the C files in a folder and below; empty if there are none."""
+    files = sorted(folder.rglob("*.[ch]"))
+    content = b"".join(path.relative_to(folder).as_posix().encode() + b"\n" + path.read_bytes() for path in files)
     return sha256(content).hexdigest() if files else ""

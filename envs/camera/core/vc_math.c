@@ -65,6 +65,28 @@ double vc_cos(double angle_rad) {
     return quadrant(angle, angle.quarter + 1);
 }
 
+/* e^x = 2^k e^r with |r| <= ln 2 / 2; the first part of ln 2 has 33 bits. */
+double vc_exp(double x) {
+    static const double LN2[2] = {0x1.62e42fef00000p-1, 0x1.473de6af278edp-34};
+    double k = floor(x * 0x1.71547652b82fep+0 + 0.5);
+    double r = (x - k * LN2[0]) - k * LN2[1];
+    double sum = 1.0;
+    for (int n = 14; n > 0; n--) sum = 1.0 + sum * r / n;
+    return ldexp(sum, (int)k);
+}
+
+/* Halley's method for e^y = m with x = m 2^k: each step triples the digits. */
+double vc_log(double x) {
+    int k;
+    double m = frexp(x, &k);
+    double y = (m - 0.75) / 0.75 - 0.28768207245178093;
+    for (int i = 0; i < 3; i++) {
+        double e = vc_exp(y);
+        y += 2.0 * (m - e) / (m + e);
+    }
+    return y + k * 0x1.62e42fefa39efp-1;
+}
+
 double vc_hypot(double x, double y) {
     return sqrt(x * x + y * y);
 }

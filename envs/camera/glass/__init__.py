@@ -1,1 +1,0 @@
-"""Water on the windscreen, and the wiper."""
