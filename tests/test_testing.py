@@ -53,6 +53,28 @@ def test_a_projects_own_driver(pytester: pytest.Pytester) -> None:
     )
 
 
+def test_fixtures_of_any_scope_drive(pytester: pytest.Pytester) -> None:
+    write_short(pytester.path)
+    pytester.makepyfile(my_driver=DRIVER)
+    scopes = ("function", "class", "module", "package", "session")
+    pytester.makeconftest(
+        "import pytest\n"
+        + "".join(
+            f'@pytest.fixture(scope="{scope}")\n'
+            f'def of_{scope}(drive): return drive("short.toml", driver="my_driver:Straight", seed=3)\n'
+            for scope in scopes
+        )
+    )
+    pytester.makepyfile(
+        "".join(
+            f"def test_{scope}(of_{scope}, drive):\n"
+            f'    assert of_{scope} == drive("short.toml", driver="my_driver:Straight", seed=3)\n'
+            for scope in scopes
+        )
+    )
+    pytester.runpytest_subprocess(*PLUGIN).assert_outcomes(passed=len(scopes))
+
+
 def test_where_nobody_drives_nothing_is_loaded(pytester: pytest.Pytester) -> None:
     heavy = {"highway_env", "cv2", "scipy", "pandas", "duckdb", "pygame", "av", "pydantic", "vpf_sim.evaluation"}
     pytester.makepyfile(f"""

@@ -26,12 +26,12 @@ class Drive(Protocol):
     ) -> dict[str, Any]: ...
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def drive(pytestconfig: pytest.Config) -> Drive:
     """A function that drives one episode, as `vpf_sim.drive` does, and returns its record.
 
-    Drivers are also found in the project's root. An unsuccessful episode prints the command that repeats it, and the
-    traceback of a driver's exception.
+    Fixtures of any scope may use it, so that several tests check one drive. Drivers are also found in the project's
+    root. An unsuccessful episode prints the command that repeats it, and the traceback of a driver's exception.
     """
 
     def run(

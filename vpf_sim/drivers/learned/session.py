@@ -5,12 +5,15 @@ from pathlib import Path
 from typing import Any
 
 from vpf_sim.drivers.learned.manifest import Manifest, file_of
+from vpf_sim.drivers.learned.random_operators import random_operators
 from vpf_sim.errors import InputError
 from vpf_sim.types import Floats, Singles
 
 INSTALL = "expected onnxruntime, which is not installed: pip install 'vpf_sim[onnx]'"
 FLOAT = "tensor(float)"
 ACTION = (1, 2)
+SURE = "expected a model that gives equal actions for equal inputs, such as the mean of a stochastic policy"
+MOST_LISTED = 3  # operators in a message
 FATAL = 4  # the least talkative of onnxruntime's levels: faults are raised anyway
 
 
@@ -19,8 +22,11 @@ class Session:
 
     def __init__(self, model: Path, manifest: Manifest) -> None:
         self._output = manifest.output
-        self._session = _opened(model)
+        content = _content(model)
+        self._session = _opened(model, content)
         faults = [*_faults(self._session, manifest, model)]
+        if operators := random_operators(content, manifest.output):
+            faults.append(f"{model}: {SURE}, got the random operator {', '.join(operators[:MOST_LISTED])}")
         if faults:
             raise InputError("\n".join(faults))
 
@@ -30,16 +36,19 @@ class Session:
         return action
 
 
-def _opened(model: Path) -> Any:
-    """The session; InputError without onnxruntime, without the file, or where the file is no model."""
+def _content(model: Path) -> bytes:
+    try:
+        return model.read_bytes()
+    except OSError as error:
+        raise InputError(f"{model}: expected a readable ONNX model, got: {error.strerror}") from None
+
+
+def _opened(model: Path, content: bytes) -> Any:
+    """The session; InputError without onnxruntime, or where the content is no model."""
     try:
         import onnxruntime
     except ImportError:
         raise InputError(f"{model}: {INSTALL}") from None
-    try:
-        content = model.read_bytes()
-    except OSError as error:
-        raise InputError(f"{model}: expected a readable ONNX model, got: {error.strerror}") from None
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1
     options.log_severity_level = FATAL
