@@ -11,8 +11,8 @@ import cv2
 import numpy as np
 
 from vpf_sim.envs.camera import weather
-from vpf_sim.evaluation.rendering.poses import POSES
-from vpf_sim.reporting import gallery
+from vpf_sim.gallery import page as gallery
+from vpf_sim.gallery.poses import POSES
 from vpf_sim.reporting.pictures import jpeg, sheet
 from vpf_sim.types import Image
 

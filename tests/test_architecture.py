@@ -40,25 +40,24 @@ MAY_IMPORT = {
 }
 MAY_IMPORT["evaluation"] = MAY_IMPORT["drivers"] | {"drivers", "envs", "scenarios"}
 MAY_IMPORT["reporting"] = MAY_IMPORT["evaluation"] | {"evaluation"}
+MAY_IMPORT["gallery"] = MAY_IMPORT["reporting"] | {"reporting"}
+MAY_IMPORT["machine"] = MAY_IMPORT["evaluation"] | {"evaluation"}
 MAY_IMPORT["replay"] = MAY_IMPORT["reporting"] | {"reporting"}
 MAY_IMPORT["datasets"] = MAY_IMPORT["reporting"] | {"reporting"}
 MAY_IMPORT["api"] = MAY_IMPORT["datasets"] | {"datasets"}
-MAY_IMPORT["cli"] = MAY_IMPORT["api"] | {"replay", "api"}
+MAY_IMPORT["cli"] = MAY_IMPORT["api"] | {"replay", "gallery", "machine", "api"}
 MAY_IMPORT["testing"] = MAY_IMPORT["api"] | {"api"}
 PREFIX = "vpf_sim.evaluation."
 # The packages of the evaluation: each imports only what is at its left, and the modules beside them.
 EVALUATION = [
     "metrics",
     "truth",
-    "rendering",
-    "weather",
     "processes",
     "episode",
     "sweeps",
     "analysis",
     "perception",
     "gate",
-    "machine",
 ]
 # The sub-packages of perception and planning, and which of their neighbours each may import.
 SUBPACKAGES: dict[str, dict[str, set[str]]] = {

@@ -40,7 +40,7 @@ def test_a_sweep_is_driven_and_reported(tmp_path: Path, capsys: pytest.CaptureFi
     [
         (["drive", "short.toml", "--driver", "pid", "--out", "run", "--video", "a.mp4"], "video 'a.mp4'"),
         (["video", "run", "--id", "a"], "video"),
-        (["gallery", "--out", "gallery"], "gallery"),
+        (["weathers", "gallery", "--out", "gallery"], "gallery"),
         (["replay", "drive"], "replay without --no-video"),
         (["replay", "drive.mp4", "--no-video"], "drive.mp4"),
     ],

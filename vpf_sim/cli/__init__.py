@@ -15,7 +15,6 @@ from vpf_sim.cli import (
     drive,
     drivers,
     export,
-    gallery,
     perception,
     profile,
     replay,
@@ -88,7 +87,6 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     check.check,
     perception.perception,
     profile.profile,
-    gallery.gallery,
     doctor.doctor,
 )
 for one in COMMANDS:
@@ -102,7 +100,7 @@ def main() -> None:
     """Entry point of the console script and of `python -m vpf_sim.cli`."""
     os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
     arguments = sys.argv[1:]
-    if arguments and arguments[0] in SIMULATING and not {"-h", "--help"} & set(arguments):
+    if not set(arguments[:2]).isdisjoint(SIMULATING) and not {"-h", "--help"} & set(arguments):
         _limit_threads(arguments)
     sys.path.append(os.getcwd())  # for a user's own drivers
     streams.reserve_stdout()

@@ -13,7 +13,7 @@ def doctor(json: JsonOption = False) -> None:
 
     Checked are installation, frames, speed and reproducibility.
     """
-    from vpf_sim.evaluation.machine.doctor import examine
+    from vpf_sim.machine.doctor import examine
 
     answer, checks = sys.stdout, []
     with prints_on_stderr():

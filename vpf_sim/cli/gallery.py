@@ -1,4 +1,4 @@
-"""`vpf-sim gallery`: a page with every weather at fixed poses."""
+"""`vpf-sim weathers gallery`: a page with every weather at fixed poses."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -11,7 +11,7 @@ import typer
 from vpf_sim.cli.options import JsonOption, WeathersOption, WorkersOption, print_json
 
 if TYPE_CHECKING:
-    from vpf_sim.reporting.gallery import Entry
+    from vpf_sim.gallery.page import Entry
 
 FolderOption = Annotated[
     Path | None, typer.Option("--out", metavar="DIR", help="Folder of the page; by default a new one under runs/.")
@@ -31,7 +31,7 @@ def gallery(
     from vpf_sim.envs.camera import weather as weathers
     from vpf_sim.evaluation.sweeps import run_folder
     from vpf_sim.evaluation.sweeps.sweep import default_workers
-    from vpf_sim.reporting import gallery as pictures
+    from vpf_sim.gallery import page as pictures
 
     loaded = list(dict.fromkeys(weathers.load(name) for name in weather or weathers.PRESETS))
     folder = out or run_folder.new_path("gallery")

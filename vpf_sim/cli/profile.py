@@ -20,7 +20,7 @@ def profile(
 
     Times are also given as multiples of a yardstick, a fixed computation on this machine.
     """
-    from vpf_sim.evaluation.machine.profile import profile as measure
+    from vpf_sim.machine.profile import profile as measure
 
     measured = measure(scenario, weather, steps)
     if json:

@@ -4,11 +4,12 @@ from typing import Annotated, Any
 
 import typer
 
+from vpf_sim.cli.gallery import gallery
 from vpf_sim.cli.help import Command
 from vpf_sim.cli.options import WEATHER, FileArgument, JsonOption, SameJsonOption, print_json, print_validity
 from vpf_sim.cli.tables import print_table
 
-app = typer.Typer(help="List and show weathers; check your own.", no_args_is_help=True, rich_markup_mode=None)
+app = typer.Typer(help="List, show and draw weathers; check your own.", no_args_is_help=True, rich_markup_mode=None)
 WeatherArgument = Annotated[str, typer.Argument(help="Name or file of a weather.", **WEATHER)]
 
 
@@ -16,7 +17,7 @@ WeatherArgument = Annotated[str, typer.Argument(help="Name or file of a weather.
 def list_weathers(json: JsonOption = False) -> None:
     """List the presets with their aliases and meaning."""
     from vpf_sim.envs.camera import weather
-    from vpf_sim.evaluation.weather.weather_meaning import aliases, in_words
+    from vpf_sim.gallery.weather_meaning import aliases, in_words
 
     loaded = list(weather.PRESETS.values())
     if json:
@@ -29,7 +30,7 @@ def list_weathers(json: JsonOption = False) -> None:
 def show(name: WeatherArgument, json: SameJsonOption = False) -> None:  # noqa: ARG001
     """Show a weather's factors and their meaning as JSON."""
     from vpf_sim.envs.camera import weather
-    from vpf_sim.evaluation.weather.weather_meaning import aliases, in_words, physical
+    from vpf_sim.gallery.weather_meaning import aliases, in_words, physical
 
     loaded = weather.load(name)
     meaning = {"aliases": aliases(loaded), "meaning": in_words(loaded), "physical": physical(loaded)}
@@ -48,10 +49,13 @@ def validate(file: FileArgument, json: JsonOption = False) -> None:
     print_validity(file, check, json)
 
 
+app.command(cls=Command)(gallery)
+
+
 def _row(name: str) -> dict[str, Any]:
     """A name or alias with its preset and meaning."""
     from vpf_sim.envs.camera import weather
-    from vpf_sim.evaluation.weather.weather_meaning import in_words
+    from vpf_sim.gallery.weather_meaning import in_words
 
     loaded = weather.load(name)
     return {"name": name, "preset": loaded.name, "meaning": in_words(loaded)}

@@ -5,13 +5,10 @@ Each package imports only packages above it:
 
 - metrics: the scores of an episode, and the record that holds them
 - truth: ground truth from renderer and road, hidden from drivers
-- rendering: statistics of rendered frames, on scripted drives without a driver
-- weather: physical meaning of a weather, and its effect on tracking
 - processes: single-threaded workers with timeouts and retries
 - episode: the closed loop, its step log and stage timing
 - sweeps: many episodes, and their run folder
 - analysis: statistics, comparisons and tables of a run's records
 - perception: open-loop evaluation of perception on the poses of stored drives
 - gate: pass/fail rules for a run, for CI
-- machine: installation checks and profiling
 """

@@ -1,4 +1,4 @@
-"""Rain does not repeat."""
+"""Frames of a standing camera are equal in still weather; rain changes them and does not repeat."""
 
 import numpy as np
 import pytest
@@ -29,3 +29,14 @@ def test_rain_differs_between_seeds(weather: weathers.Weather) -> None:
 def test_falling_rain_does_not_repeat_within_ten_seconds() -> None:
     frames = rain_layer.layers(FALLING, 1, 600)
     assert rain_layer.greatest_likeness(frames, 2) < 0.5
+
+
+@pytest.mark.parametrize("name", ["ClearNoon", "CloudySunset", "WetNoon", "FoggyNoon"])
+def test_a_stationary_camera_in_still_weather_has_equal_frames(name: str) -> None:
+    first, *others = (shot.image for shot in rain_layer.standing(90.0).shots(weathers.load(name), 2, 3))
+    assert all(np.array_equal(first, other) for other in others)
+
+
+def test_rain_changes_the_frames_of_a_stationary_camera() -> None:
+    first, other = (shot.image for shot in rain_layer.standing(90.0).shots(HARD, 2, 2))
+    assert np.count_nonzero((first != other).any(axis=2)) > 1000

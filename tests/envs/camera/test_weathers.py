@@ -9,7 +9,7 @@ import pytest
 from vpf_sim import cli
 from vpf_sim.envs.camera import weather
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.weather.weather_meaning import aliases, in_words, physical
+from vpf_sim.gallery.weather_meaning import aliases, in_words, physical
 
 # Read out of the official `carla` 0.9.16 wheel (LibCarla/source/carla/rpc/WeatherParameters.cpp): cloudiness,
 # precipitation, precipitation_deposits, wind_intensity, sun_altitude_angle, fog_density.

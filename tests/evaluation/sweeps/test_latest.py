@@ -68,7 +68,8 @@ def test_without_a_run_it_is_refused(
 
 @pytest.mark.parametrize("others", [False, True])
 @pytest.mark.parametrize(
-    "command", [["drive", "straight", "--driver", "neutral"], ["gallery", "--weather", "clear"], ["replay", "cam"]]
+    "command",
+    [["drive", "straight", "--driver", "neutral"], ["weathers", "gallery", "--weather", "clear"], ["replay", "cam"]],
 )
 def test_it_is_no_name_for_a_new_run(
     command: list[str],

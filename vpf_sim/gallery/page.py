@@ -9,9 +9,9 @@ from pathlib import Path
 from vpf_sim.envs.camera import Weather
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.processes import pool
-from vpf_sim.evaluation.rendering.poses import POSES, SEED, Pose, video_drive
-from vpf_sim.evaluation.weather.weather_meaning import aliases, factors, in_words
 from vpf_sim.files import file_name, write_bytes, write_text
+from vpf_sim.gallery.poses import POSES, SEED, Pose, video_drive
+from vpf_sim.gallery.weather_meaning import aliases, factors, in_words
 from vpf_sim.reporting.pictures import jpeg
 from vpf_sim.reporting.templates import render
 from vpf_sim.reporting.video import Writer, require
@@ -45,7 +45,7 @@ class Entry:
 
 def page(entries: Sequence[Entry]) -> str:
     """The page as HTML, one row per weather and one column per pose."""
-    return render("gallery.html.jinja", entries=entries)
+    return render("gallery.html.jinja", "vpf_sim.gallery", entries=entries)
 
 
 def make(folder: Path, weathers: Sequence[Weather], workers: int, notify: Callable[[Entry], None]) -> Path:

@@ -16,9 +16,9 @@ import pytest
 from vpf_sim import cli
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.rendering.poses import POSES, SUN_HEADING_DEG, Pose, video_drive
-from vpf_sim.reporting import gallery
-from vpf_sim.reporting.gallery import Entry, Picture, page
+from vpf_sim.gallery import page as gallery
+from vpf_sim.gallery.page import Entry, Picture, page
+from vpf_sim.gallery.poses import POSES, SUN_HEADING_DEG, Pose, video_drive
 
 VOID = {"meta", "link", "img", "input", "wbr"}
 
@@ -135,7 +135,18 @@ def test_a_gallery_folder_is_self_contained(tmp_path: Path, capsys: pytest.Captu
     out = tmp_path / "gallery"
     mine = tmp_path / "my rain.toml"
     mine.write_text('base = "rain"\n')
-    arguments = ["gallery", "--out", str(out), "--weather", "clear", "--weather", str(mine), "--weather", "ClearNoon"]
+    arguments = [
+        "weathers",
+        "gallery",
+        "--out",
+        str(out),
+        "--weather",
+        "clear",
+        "--weather",
+        str(mine),
+        "--weather",
+        "ClearNoon",
+    ]
     assert cli.run(arguments) == 0
     said = capsys.readouterr()
     assert said.out == f"{out / 'index.html'}\n"

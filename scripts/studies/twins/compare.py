@@ -1,6 +1,6 @@
 """Compare recorded drives with their rendered twins: same camera, rate, speed, traffic, and gap to the lead vehicle.
 
-python scripts/compare_with_drives.py [--drives DIR] [--only NAME ...] [--seeds 0 1 2] [--perception]
+python scripts/studies/twins/compare.py [--drives DIR] [--only NAME ...] [--seeds 0 1 2] [--perception]
                                       [--driver NAME] [--out DIR] [--json FILE]
 
 Prints frame statistics: a ratio (rendered / real) outside 1/2 .. 2 is marked with a star. With --perception a driver
@@ -19,17 +19,19 @@ from typing import Any
 
 import cv2
 import numpy as np
+import reference_streets
+import twin
+from frame_statistics import FrameStatistics, measure, scaled_grey
+from measures import Measures
 
 from vpf_sim import drivers
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.analysis.text_table import text_table
 from vpf_sim.evaluation.processes.threads import limit_opencv
-from vpf_sim.evaluation.rendering import reference_streets
-from vpf_sim.evaluation.rendering.frame_statistics import FrameStatistics, measure, scaled_grey
+from vpf_sim.replay import frame_table, open_loop
+from vpf_sim.replay.frame_table import FrameTable
 from vpf_sim.replay.recording import Recording
-from vpf_sim.replay.twins import twin
-from vpf_sim.replay.twins.measures import Measures
-from vpf_sim.replay.twins.replayed import replayed
+from vpf_sim.replay.run_files import table_path
 from vpf_sim.types import Image
 
 SAMPLES = 16  # sampled frames of a drive, about
@@ -54,6 +56,14 @@ def compare(drive: Path, seeds: list[int], driver: str | None, out: Path) -> tup
     real = Measures.of(replayed(recording, driver, out / "driver"))
     seen = Measures.mean([Measures.of(replayed(one, driver, out / f"driver-{one.name}")) for one in twins])
     return frames, real.rows(seen)
+
+
+def replayed(recording: Recording, driver: str, out: Path) -> FrameTable:
+    """Replay a driver on a recording and read its frames; InputError where the driver fails."""
+    record, _ = open_loop.run(recording, driver, out, with_video=False)
+    if record["error"]:
+        raise InputError(f"{recording.name}: the driver '{driver}' failed: {record['error']}")
+    return frame_table.read(table_path(out, recording.name))
 
 
 def statistics(recording: Recording) -> FrameStatistics:

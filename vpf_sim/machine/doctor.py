@@ -2,15 +2,15 @@
 
 from collections.abc import Callable, Iterator, Mapping
 
-from vpf_sim.evaluation.machine import installation
-from vpf_sim.evaluation.machine.installation import BROKEN, Check
+from vpf_sim.machine import installation
+from vpf_sim.machine.installation import BROKEN, Check
 
 
 def examine() -> Iterator[Check]:
     """Yield each check when it is done; driving checks come last, since they depend on the others."""
     yield from _run(installation.checks())
     try:
-        from vpf_sim.evaluation.machine import driving_checks
+        from vpf_sim.machine import driving_checks
     except Exception as error:  # an installed library that cannot be imported
         yield _failed("driving", error)
         return

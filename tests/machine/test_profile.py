@@ -1,6 +1,6 @@
 """The profile's keys; never a time."""
 
-from vpf_sim.evaluation.machine import profile
+from vpf_sim.machine import profile
 
 
 def test_a_profile_has_the_promised_keys_and_all_stages() -> None:

@@ -15,9 +15,9 @@ from vpf_sim import drivers, scenarios
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.frame_check import frame_fault
 from vpf_sim.evaluation.episode.episode import roll_out
-from vpf_sim.evaluation.machine.installation import BROKEN, Check
 from vpf_sim.evaluation.processes import pool
 from vpf_sim.evaluation.processes.threads import limit_opencv
+from vpf_sim.machine.installation import BROKEN, Check
 from vpf_sim.scenarios.parts import Limits
 from vpf_sim.types import Camera, Image
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from vpf_sim import scenarios
 from vpf_sim.envs.camera.rig import preset
-from vpf_sim.evaluation.rendering.scripted import Path, ScriptedDrive, smooth_step
+from vpf_sim.gallery.scripted import Path, ScriptedDrive, smooth_step
 from vpf_sim.scenarios import Scenario
 from vpf_sim.scenarios.parts import CameraName, ObjectSpec, RoadAppearance
 

@@ -10,9 +10,9 @@ import pytest
 
 from vpf_sim import cli
 from vpf_sim.envs.camera import Renderer
-from vpf_sim.evaluation.machine import doctor, driving_checks, installation
-from vpf_sim.evaluation.machine.driving_checks import Run
-from vpf_sim.evaluation.machine.installation import Check
+from vpf_sim.machine import doctor, driving_checks, installation
+from vpf_sim.machine.driving_checks import Run
+from vpf_sim.machine.installation import Check
 from vpf_sim.types import Image
 
 SHAPE = (120, 160, 3)

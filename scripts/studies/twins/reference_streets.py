@@ -2,7 +2,8 @@
 
 from math import atan2
 
-from vpf_sim.evaluation.rendering.street import Street, street_object
+from street import Street, street_object
+
 from vpf_sim.types import Camera
 
 HIGHWAY_MPS = 25.3  # a stripe and a gap, 12.19 m, in 12.05 frames of 1/25 s

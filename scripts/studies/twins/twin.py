@@ -6,12 +6,12 @@ from math import degrees
 from pathlib import Path
 
 import numpy as np
+import reference_streets
+from street import Street
 
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.rendering import reference_streets
-from vpf_sim.evaluation.rendering.scripted import ScriptedDrive
-from vpf_sim.evaluation.rendering.street import Street
 from vpf_sim.files import write_bytes, write_text
+from vpf_sim.gallery.scripted import ScriptedDrive
 from vpf_sim.replay import readers, video_file
 from vpf_sim.replay.recording import Recording
 from vpf_sim.reporting.pictures import jpeg

@@ -9,9 +9,12 @@ from pathlib import Path
 
 import pytest
 
+from vpf_sim import scenarios
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.evaluation.processes.threads import limit_opencv
-from vpf_sim.evaluation.weather import weather_effect
+from vpf_sim.gallery.scripted import Path as Along
+from vpf_sim.gallery.scripted import ScriptedDrive
+from vpf_sim.scenarios.parts import ObjectSpec
 
 FRAMES = 3
 NAMES = list(weathers.PRESETS)
@@ -20,7 +23,12 @@ ALONE = "from test_weather_bytes import digests; print(*digests(7).values())"
 
 def digest(name: str, seed: int) -> str:
     """Of the first frames of a drive among traffic."""
-    shots = weather_effect.drive().shots(weathers.load(name), seed, FRAMES)
+    scenario = scenarios.drawn_road("town04", 0)
+    van = ObjectSpec(kind="van", s_m=160.0, lane=4, speed_mps=14.0)
+    drive = ScriptedDrive(
+        scenario.model_copy(update={"bodies": (*scenario.bodies, van)}), Along(152.0, 5.55, lambda _: 0.0)
+    )
+    shots = drive.shots(weathers.load(name), seed, FRAMES)
     return sha256(b"".join(shot.image.tobytes() for shot in shots)).hexdigest()
 
 

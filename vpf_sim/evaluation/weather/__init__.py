@@ -1,1 +1,0 @@
-"""Physical meaning of a weather, and its effect on tracking."""

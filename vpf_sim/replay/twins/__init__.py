@@ -1,1 +1,0 @@
-"""Rendered twins of recorded drives: what a driver reports on a recording, beside what it reports on its twin."""
