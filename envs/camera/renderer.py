@@ -111,7 +111,6 @@ class Renderer:
         self._ground.update(now.view)
         self._scene.update(now)
         self._wet_road.skip(now.view)
-        self._streaks.skip(now, before)
         self._glass.skip(now, before)
         self._sensor.skip()
 

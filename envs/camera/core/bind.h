@@ -5,7 +5,9 @@
 #include <Python.h>
 #include <stdint.h>
 
-int vc_bind_glass(PyObject *module); /* -1 with an exception, else 0 */
+/* -1 with an exception, else 0 */
+int vc_bind_glass(PyObject *module);
+int vc_bind_streaks(PyObject *module);
 
 /* Reports an array of the wrong size. */
 static inline PyObject *vc_wrong_size(Py_ssize_t found, Py_ssize_t expected) {

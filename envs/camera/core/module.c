@@ -56,7 +56,8 @@ static struct PyModuleDef MODULE = {PyModuleDef_HEAD_INIT, "_core", NULL, 0, MET
 PyMODINIT_FUNC PyInit__core(void) {
     PyObject *module = PyModule_Create(&MODULE);
     if (module == NULL) return NULL;
-    if (PyModule_AddStringConstant(module, "SOURCES", TEXT(VC_SOURCES)) < 0 || vc_bind_glass(module) < 0) {
+    int failed = PyModule_AddStringConstant(module, "SOURCES", TEXT(VC_SOURCES));
+    if (failed < 0 || vc_bind_glass(module) < 0 || vc_bind_streaks(module) < 0) {
         Py_DecRef(module);
         return NULL;
     }

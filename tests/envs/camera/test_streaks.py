@@ -9,17 +9,32 @@ from highway_scenes import add_ego, straight_road
 from vpf_sim.envs.camera import Renderer, Rig, weather
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.rain.shower import NEAREST_M, drops_per_m3_mm, fall_speed_mps
-from vpf_sim.envs.camera.rain.streaks import Streaks, add, exposure_s
+from vpf_sim.envs.camera.rain.streaks import Streaks, exposure_s_of
 from vpf_sim.types import Camera, Floats, Image
 
 CAMERA = Camera()
-DOWN = np.array([0.0, 1.0, 0.0])
+NEAREST_M = 0.6
 
 
-def streaks(rain_mmph: float = 50.0, seed: int = 1, gain: float = 1.0, name: str = "HardRainNoon") -> Streaks:
-    chosen = weather.load(name)
-    return Streaks(CAMERA, replace(Atmosphere.of(chosen), rain_mmph=rain_mmph), Light.of(chosen), gain, seed)
+def drops_per_m3_mm(rain_mmph: float, diameter_mm: Floats) -> Floats:
+    """Marshall and Palmer 1948."""
+    return np.asarray(8000.0 * np.exp(-4.1 * rain_mmph**-0.21 * diameter_mm))
+
+
+def fall_speed_mps(diameter_mm: Floats) -> Floats:
+    """Atlas, Srivastava and Sekhon 1973."""
+    return np.asarray(np.maximum(9.65 - 10.3 * np.exp(-0.6 * diameter_mm), 0.1))
+
+
+def streaks(rain_mmph: float = 50.0, seed: int = 1, gain: float = 1.0, exposure_s: float | None = None) -> Streaks:
+    chosen = weather.load("HardRainNoon")
+    atmosphere = replace(Atmosphere.of(chosen), rain_mmph=rain_mmph)
+    return Streaks(CAMERA, atmosphere, Light.of(chosen), gain, seed, exposure_s)
+
+
+def ahead(speed_mps: float, wind_mps: float = 0.0) -> tuple[float, float, float]:
+    """The air relative to a camera that drives along the X axis; wind blows to the right."""
+    return -speed_mps, wind_mps, 0.0
 
 
 def darker_by(levels: float, source: Streaks) -> Image:
@@ -42,7 +57,7 @@ def counted(
     z, diameter = z[z > NEAREST_M], diameter[z > NEAREST_M]
     x, y = rng.uniform(-half_x, half_x, len(z)), rng.uniform(-half_y, half_y, len(z))
     middle = np.stack([x * z, y * z, z])
-    half = 0.5 * exposure * np.stack([0.0 * z, fall_speed_mps(diameter.astype(np.float32)), -speed_mps + 0.0 * z])
+    half = 0.5 * exposure * np.stack([0.0 * z, fall_speed_mps(diameter), -speed_mps + 0.0 * z])
     start, end = middle - half, middle + half
     length = CAMERA.fx_px * np.hypot(*(end[:2] / end[2] - start[:2] / start[2]))
     width = 1e-3 * CAMERA.fx_px * diameter / z
@@ -53,14 +68,13 @@ def counted(
     ("rain", "speed", "exposure"), [(50, 10, 0.002), (25, 10, 0.002), (50, 0, 0.002), (50, 20, 0.002)]
 )
 def test_drop_counts_and_lengths_match_a_simulated_volume(rain: float, speed: float, exposure: float) -> None:
-    source = streaks(float(rain))
-    source.exposure_s = exposure
-    frame, drift = darker_by(100.0, source), np.array([0.0, 0.0, -float(speed)])
+    source = streaks(float(rain), exposure_s=exposure)
+    frame = darker_by(100.0, source)
     rng = np.random.default_rng(0)
     level, length = (
         np.concatenate(a) for a in zip(*(counted(rain, speed, exposure, 100.0, rng) for _ in range(3)), strict=True)
     )
-    drawn = [source.specks(frame, drift, DOWN) for _ in range(6)]
+    drawn = [source.specks(frame, ahead(speed), float(k)) for k in range(6)]
     own_level = np.concatenate([specks.level for specks in drawn])
     own_length = np.concatenate([specks.length_px for specks in drawn])
     for least in (4.0, 8.0):
@@ -70,9 +84,8 @@ def test_drop_counts_and_lengths_match_a_simulated_volume(rain: float, speed: fl
 
 
 def test_hard_rain_has_the_specks_of_the_table() -> None:
-    source = streaks(50.0)
-    source.exposure_s = 0.002
-    specks = [source.specks(darker_by(100.0, source), np.array([0.0, 0.0, -10.0]), DOWN) for _ in range(4)]
+    source = streaks(50.0, exposure_s=0.002)
+    specks = [source.specks(darker_by(100.0, source), ahead(10.0), float(k)) for k in range(4)]
     assert np.mean([len(s.level) for s in specks]) == pytest.approx(3810, rel=0.06)
     assert np.mean([(s.level >= 8.0).sum() for s in specks]) == pytest.approx(740, rel=0.1)
 
@@ -80,7 +93,7 @@ def test_hard_rain_has_the_specks_of_the_table() -> None:
 def test_drops_of_one_fall_speed_radiate_from_the_vanishing_point_of_the_rain() -> None:
     source = streaks(50.0)
     speed, wind = 15.0, 4.0
-    specks = source.specks(darker_by(100.0, source), np.array([wind, 0.0, -speed]), DOWN)
+    specks = source.specks(darker_by(100.0, source), ahead(speed, wind))
     x, y = specks.x_px - CAMERA.cx_px + CAMERA.fx_px * wind / speed, specks.y_px - CAMERA.cy_px
     fall = speed * (specks.dy_px * x / specks.dx_px - y) / CAMERA.fy_px  # puts the vanishing point on the streak's line
     long = specks.length_px > 1.5
@@ -95,7 +108,7 @@ def test_drops_are_invisible_before_the_sky_and_absent_when_dry() -> None:
     source = streaks(50.0)
     bright = darker_by(0.0, source)
     before = bright.copy()
-    source.draw_drops(bright, np.array([0.0, 0.0, -10.0]), DOWN)
+    source.draw_drops(bright, ahead(10.0))
     assert np.array_equal(bright, before)
     road = straight_road()
     ego = add_ego(road, [20.0, 5.0])
@@ -105,12 +118,11 @@ def test_drops_are_invisible_before_the_sky_and_absent_when_dry() -> None:
 
 def test_gain_brightens() -> None:
     levels = [streaks(50.0, gain=gain) for gain in (1.0, 3.0)]
-    drift = np.array([0.0, 0.0, -10.0])
     added = []
     for source in levels:
         frame = darker_by(60.0, source)
         before = frame.copy()
-        source.draw_drops(frame, drift, DOWN)
+        source.draw_drops(frame, ahead(10.0))
         added.append(float((frame - before).sum()))
     assert added[1] == pytest.approx(3.0 * added[0], rel=0.1)
 
@@ -119,9 +131,9 @@ def test_seeds_have_their_own_drops_and_frames_differ() -> None:
     def frames(seed: int) -> list[Image]:
         source = streaks(50.0, seed)
         result = []
-        for _ in range(2):
+        for k in range(2):
             frame = darker_by(100.0, source)
-            source.draw_drops(frame, np.array([0.0, 0.0, -10.0]), DOWN)
+            source.draw_drops(frame, ahead(10.0), k / 60.0)
             result.append(frame)
         return result
 
@@ -132,18 +144,29 @@ def test_seeds_have_their_own_drops_and_frames_differ() -> None:
 
 
 def test_added_light_matches_the_streaks() -> None:
-    source = streaks(50.0)
-    frame = np.full((CAMERA.height_px, CAMERA.width_px, 3), 20, np.uint8)
-    specks = source.specks(frame, np.array([0.0, 0.0, 0.0]), DOWN)
-    inner = (specks.width_px < 1.0) & (np.abs(specks.x_px - 320.0) < 300.0) & (np.abs(specks.y_px - 240.0) < 200.0)
-    one = specks.part(np.flatnonzero(inner & (specks.length_px > 4.0))[:1])
-    add(frame, one)
-    light = (frame[..., 0].astype(float) - 20.0).sum()
-    assert light == pytest.approx(float((one.level * (one.length_px + 1.0))[0]), rel=0.35)
+    source = streaks(2.0)  # few that lie over each other
+    frame = darker_by(100.0, source)
+    before = frame.astype(float)
+    specks = source.specks(frame, ahead(0.0))
+    source.draw_drops(frame, ahead(0.0))
+    points = 2.0 + np.floor(np.maximum(np.abs(specks.dx_px), np.abs(specks.dy_px)))
+    expected = (specks.level * points / np.maximum(specks.width_px, 1.0)).sum()
+    assert (frame[..., 0] - before[..., 0]).sum() == pytest.approx(float(expected), rel=0.1)
     assert np.array_equal(frame[..., 0], frame[..., 2])
 
 
+def test_drops_of_a_moment_need_no_moment_before() -> None:
+    def drawn(times: list[float]) -> Image:
+        source = streaks(50.0)
+        for time_s in times:
+            frame = darker_by(100.0, source)
+            source.draw_drops(frame, ahead(10.0 * time_s), time_s)
+        return frame
+
+    assert np.array_equal(drawn([0.5]), drawn([0.1, 7.0, 0.2, 0.3, 0.4, 0.5]))
+
+
 def test_dim_light_lengthens_the_exposure() -> None:
-    noon, sunset = (exposure_s(Light.of(weather.load(name))) for name in ("HardRainNoon", "HardRainSunset"))
+    noon, sunset = (exposure_s_of(Light.of(weather.load(name))) for name in ("HardRainNoon", "HardRainSunset"))
     assert noon == pytest.approx(0.002)
     assert 2.0 * noon < sunset <= 0.008

@@ -24,9 +24,11 @@ print(result.sum().hex(), module.hypot(3.0, 4.0))
 for width, height in ((84, 84), (161, 121), (9, 5)):
     frame, hidden = np.zeros((height, width, 3), np.uint8), np.zeros((height, width), np.uint8)
     lens = width, height, 0.5 * width, 0.5 * width, 0.5 * width, 0.5 * height
+    streaks = module.streaks_new(lens, 0.03, 50.0, 0.002, 170.0, 8.0, 7)
     glass = module.glass_new(lens, 50.0, 0.92, 0.3, (150, 160, 170), 7)
     for k in range(0, 200, 3):
         frame[:] = np.arange(frame.size).reshape(frame.shape)
+        module.streaks_draw(streaks, (-0.1 * k, 3.0, 0.0), 0.02 * k, 16667 * k, frame)
         module.glass_advance(glass, 16667 * k, float(k % 30))
         module.glass_draw(glass, frame)
         module.glass_hidden(glass, hidden)
