@@ -1,5 +1,6 @@
 """Sphinx builds the documentation from the pages in this folder and from docstrings: `make docs`."""
 
+import sys
 import typing
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import vpf_sim
 import vpf_sim.cli
 
 HERE = Path(__file__).parent
+sys.path.append(str(HERE))
 
 project = "vpf_sim"
 author = "the vpf_sim developers"
@@ -42,4 +44,12 @@ def write_commands() -> None:
     (HERE / "commands.md").write_text(text, "utf-8")
 
 
+def write_configuration() -> None:
+    """The page of all keys, from the classes that the files fill."""
+    import configuration_page
+
+    (HERE / "configuration.md").write_text(configuration_page.page(), "utf-8")
+
+
 write_commands()
+write_configuration()

@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import cache
-from types import NoneType
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
@@ -79,13 +78,13 @@ def is_list(hint: Any) -> bool:
     return any(get_origin(one) is tuple for one in (hint, *get_args(hint)))
 
 
-def optional_settings(config: Any) -> Iterator[tuple[tuple[str, ...], str]]:
-    """The path and the meaning of each section and value that may be None, at any depth; outer ones first."""
+def walk(config: Any, outer: str = "") -> Iterator[tuple[str, Setting]]:
+    """The dotted path of each key and section at any depth, with its setting; a section comes before its keys."""
     for setting in settings_of(config):
-        if NoneType in get_args(setting.hint):
-            yield (setting.key,), setting.meaning
-        for section in [] if is_list(setting.hint) else sections(setting.hint):
-            yield from (((setting.key, *path), meaning) for path, meaning in optional_settings(section))
+        path = f"{outer}{setting.key}"
+        yield path, setting
+        for section in sections(setting.hint):
+            yield from walk(section, f"{path}[]." if is_list(setting.hint) else f"{path}.")
 
 
 def _bounds(hint: Any, constraints: Iterable[Any]) -> str:

@@ -3,9 +3,10 @@
 import dataclasses
 from collections.abc import Iterator
 from functools import reduce
-from typing import Any, TypeVar
+from types import NoneType
+from typing import Any, TypeVar, get_args
 
-from vpf_sim import configuration_fields
+from vpf_sim.configuration_fields import walk
 from vpf_sim.perception.egomotion.config import ExpansionConfig, FocusFitConfig
 from vpf_sim.perception.obstacles.config import StaticObstacleConfig
 from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
@@ -51,7 +52,7 @@ def section_of(config: Any, path: str) -> Any:
 
 def optional_sections(config: Any) -> Iterator[str]:
     """The dotted paths of the sections and values that may be None and are not, at any depth."""
-    paths = (".".join(path) for path, _ in configuration_fields.optional_settings(type(config)))
+    paths = [path for path, one in walk(type(config)) if NoneType in get_args(one.hint) and "[]" not in path]
     return (path for path in paths if section_of(config, path) is not None)
 
 

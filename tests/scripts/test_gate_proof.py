@@ -12,7 +12,7 @@ import pytest
 from vpf_sim import drivers
 from vpf_sim.types import Camera, Command, DriverSetup, Observation, VehicleModel
 
-SCRIPTS = Path(__file__).parents[2] / "scripts"
+SCRIPTS = Path(__file__).parents[2] / "scripts" / "studies" / "gate"
 SCRIPT = runpy.run_path(str(SCRIPTS / "degraded_drivers.py"))
 IMAGE = np.random.default_rng(0).integers(0, 255, (48, 64, 3), dtype=np.uint8)
 SEEN = Observation(IMAGE, 1.0, 2.0, 3.0, 0.1, 5.0, 0.2, (100.0, 0.0))

@@ -52,6 +52,15 @@ def show(name: DriverArgument, json: SameJsonOption = False) -> None:  # noqa: A
 
 
 @app.command(cls=Command)
+def keys(json: JsonOption = False) -> None:
+    """List every key of a variant file."""
+    from vpf_sim.cli.keys import print_keys
+    from vpf_sim.planning.variant import Variant
+
+    print_keys(Variant, json)
+
+
+@app.command(cls=Command)
 def validate(driver: DriverArgument, json: JsonOption = False) -> None:
     """Check your driver on a short drive; exit code 2 if it fails.
 

@@ -73,6 +73,15 @@ def show(
 
 
 @app.command(cls=Command)
+def keys(json: JsonOption = False) -> None:
+    """List every key of a scenario file."""
+    from vpf_sim.cli.keys import print_keys
+    from vpf_sim.scenarios import Scenario
+
+    print_keys(Scenario, json)
+
+
+@app.command(cls=Command)
 def validate(file: FileArgument, json: JsonOption = False) -> None:
     """Check a scenario file; exit code 2 with a line per fault."""
     from vpf_sim import scenarios

@@ -38,6 +38,15 @@ def show(name: WeatherArgument, json: SameJsonOption = False) -> None:  # noqa: 
 
 
 @app.command(cls=Command)
+def keys(json: JsonOption = False) -> None:
+    """List every key of a weather file."""
+    from vpf_sim.cli.keys import print_keys
+    from vpf_sim.envs.camera.weather import Weather
+
+    print_keys(Weather, json)
+
+
+@app.command(cls=Command)
 def validate(file: FileArgument, json: JsonOption = False) -> None:
     """Check a weather file; exit code 2 with a line per fault."""
     from vpf_sim.envs.camera import weather

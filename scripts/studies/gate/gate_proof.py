@@ -1,6 +1,6 @@
 """Proof of the default gate: unchanged runs of `vpf` must pass, degraded ones must fail.
 
-    python scripts/gate_proof.py --out DIR [--unchanged 20] [--only WORD] [--workers N] [--rules FILE]
+    python scripts/studies/gate/gate_proof.py --out DIR [--unchanged 20] [--only WORD] [--workers N] [--rules FILE]
 
 Each run is that of action.yml: a sweep, and a check by the default rules. The unchanged runs are on different seeds,
 the degraded drivers (`degraded_drivers.py`) on the action's seed. Runs that are in DIR are only checked, unless they
@@ -20,7 +20,7 @@ from degraded_drivers import DEGRADED
 
 from vpf_sim.cli.tables import print_table
 
-SCRIPTS = Path(__file__).parent
+HERE = Path(__file__).parent
 MOST_MISSED = 1
 TIMEOUT_S = "3600"  # of an episode: other work on the machine is no failure
 CPU = "cpu_s.txt"  # in a run folder: CPU time of its sweep
@@ -31,7 +31,7 @@ Check = dict[str, Any]
 
 def vpf_sim(*words: str) -> str:
     """The output of a command that finds the degraded drivers; exit code 1 is a result, others end the proof."""
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(SCRIPTS), os.environ.get("PYTHONPATH", "")])}
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(HERE), os.environ.get("PYTHONPATH", "")])}
     command = [sys.executable, "-m", "vpf_sim.cli", *words]
     done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, text=True, check=False)
     if done.returncode not in (0, 1):
@@ -43,7 +43,7 @@ def drive(folder: Path, names: list[str], seeds: str, workers: int) -> None:
     """Drive the action's scenarios and weathers, unless the folder has them."""
     if (folder / "summary.json").exists():
         return
-    defaults = yaml.safe_load((SCRIPTS.parent / "action.yml").read_text("utf-8"))["inputs"]
+    defaults = yaml.safe_load((HERE.parents[2] / "action.yml").read_text("utf-8"))["inputs"]
     grid = {"--driver": names, "--seeds": [seeds], "--out": [str(folder)], "--workers": [str(workers)]}
     grid |= {
         "--scenario": defaults["scenarios"]["default"].split(),

@@ -1,4 +1,4 @@
-"""Ten degradations of `vpf`, each a mistake that a change of code can make, for `scripts/gate_proof.py`.
+"""Ten degradations of `vpf`, each a mistake that a change of code can make, for `gate_proof.py`.
 
 Each is a small driver around the unchanged `vpf`, or a variant of it: `vpf-sim drive town04 --driver
 degraded_drivers:SteeringBias` runs one, from this folder.

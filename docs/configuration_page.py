@@ -1,11 +1,10 @@
-"""Write docs/configuration.md: every key of every TOML file, from the fields of the configuration classes."""
+"""The page of the configuration: every key of every TOML file, from the fields of the configuration classes."""
 
-import argparse
 from collections.abc import Iterator
 from dataclasses import MISSING, dataclass
-from pathlib import Path
 from typing import Any
 
+from vpf_sim.cli.keys import toml_value
 from vpf_sim.configuration_fields import Setting, is_list, sections, settings_of
 from vpf_sim.controllers import gtsmc, idm, pid, pure_pursuit, stanley
 from vpf_sim.drivers.learned.manifest import Manifest
@@ -19,10 +18,10 @@ from vpf_sim.scenarios.opendrive.keys import OpenDriveFile
 from vpf_sim.scenarios.random_road import RandomRoad
 from vpf_sim.scenarios.schema import Scenario
 
-PAGE = Path(__file__).parents[1] / "docs" / "configuration.md"
 HEAD = """# Configuration: every key of every TOML file
 
-`python scripts/configuration_page.py` writes this page from the sources. Units are SI, and a part of a key's name.
+This page is made from the sources, as is what `vpf-sim scenarios keys`, `weathers keys` and `drivers keys` print. Units
+are SI, and a part of a key's name.
 A key without a default must be given; `none` stands for no value. A wrong file is refused with a line for each fault:
 file, key, what was expected and what stands there.
 """
@@ -122,25 +121,10 @@ def _about(setting: Setting) -> list[str]:
 
 def _values(setting: Setting, values: Values | None) -> list[str]:
     if values is None:
-        return ["" if setting.default is MISSING else _shown(setting.default)]
-    return ["-" if one is None else _shown(getattr(one, setting.key)) for one in values.values()]
-
-
-def _shown(value: Any) -> str:
-    """A value as a TOML file has it."""
-    if isinstance(value, tuple | list):
-        return f"[{', '.join(map(_shown, value))}]"
-    if isinstance(value, bool | None):
-        return "none" if value is None else str(value).lower()
-    return repr(value) if isinstance(value, float | int) else str(value)
+        return ["" if setting.default is MISSING else toml_value(setting.default)]
+    return ["-" if one is None else toml_value(getattr(one, setting.key)) for one in values.values()]
 
 
 def _row(cells: list[str]) -> str:
     escaped = [cell.replace("|", "\\|") for cell in cells]
     return f"| {' | '.join(escaped)} |"
-
-
-if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, default=PAGE, help="file to write")
-    parser.parse_args().out.write_text(page(), "utf-8")
