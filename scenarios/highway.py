@@ -1,7 +1,7 @@
 """Scenarios on the roads of highway-env's own environments, with its traffic."""
 
 from collections.abc import Iterator
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 from pydantic import Field
 
@@ -23,13 +23,28 @@ HighwayId = Literal[
     "highway-v0",
     "highway-fast-v0",
     "merge-v0",
+    "merge-v1",
+    "merge-generic-v0",
+    "merge-generic-v1",
     "exit-v0",
+    "exit-v1",
     "roundabout-v0",
+    "roundabout-v1",
+    "roundabout-generic-v0",
+    "roundabout-generic-v1",
     "two-way-v0",
     "lane-keeping-v0",
     "racetrack-v0",
+    "racetrack-v1",
+    "racetrack-large-v0",
+    "racetrack-large-v1",
+    "racetrack-oval-v0",
+    "racetrack-oval-v1",
     "u-turn-v0",
+    "u-turn-v1",
+    "intersection-v0",
     "intersection-v1",
+    "intersection-v2",
 ]
 TrafficModel = Literal[
     "highway_env.vehicle.behavior.IDMVehicle",
@@ -41,18 +56,38 @@ Cars = Annotated[int, Field(ge=0, le=200)]
 
 ANY_TRAFFIC = ("other_vehicles_type", "neighbour_vehicles_connected_lanes")
 MANY_CARS = ("lanes_count", "vehicles_count", "vehicles_density", "ego_spacing", *ANY_TRAFFIC)
-CONFIG_KEYS: dict[HighwayId, tuple[str, ...]] = {
-    "highway-v0": (*MANY_CARS, "initial_lane_id"),
-    "highway-fast-v0": (*MANY_CARS, "initial_lane_id"),
-    "merge-v0": ANY_TRAFFIC,
-    "exit-v0": MANY_CARS,
-    "roundabout-v0": ("incoming_vehicle_destination", *ANY_TRAFFIC),
-    "two-way-v0": ANY_TRAFFIC,
-    "lane-keeping-v0": (),
-    "racetrack-v0": ("other_vehicles", "neighbour_vehicles_connected_lanes"),
-    "u-turn-v0": ANY_TRAFFIC,
-    "intersection-v1": ("destination", "initial_vehicle_count", "spawn_probability", *ANY_TRAFFIC),
+MERGE_LENGTHS = ("before_merge_length", "converge_merge_length", "parallel_merge_length", "after_merge_length")
+RACE_TRAFFIC = ("other_vehicles", "neighbour_vehicles_connected_lanes")
+KEYS = {  # of all versions of an environment
+    "highway": (*MANY_CARS, "initial_lane_id"),
+    "highway-fast": (*MANY_CARS, "initial_lane_id"),
+    "merge": ANY_TRAFFIC,
+    "merge-generic": ("lanes_count", "vehicles_count", *MERGE_LENGTHS, *ANY_TRAFFIC),
+    "exit": MANY_CARS,
+    "roundabout": ("incoming_vehicle_destination", *ANY_TRAFFIC),
+    "roundabout-generic": (
+        "roundabout_radius",
+        "roundabout_lanes",
+        "vehicles_count",
+        "incoming_vehicle_destination",
+        *ANY_TRAFFIC,
+    ),
+    "two-way": ANY_TRAFFIC,
+    "lane-keeping": (),
+    "racetrack": RACE_TRAFFIC,
+    "racetrack-large": RACE_TRAFFIC,
+    "racetrack-oval": ("length", "block_lane", "force_decision", *RACE_TRAFFIC),
+    "u-turn": ANY_TRAFFIC,
+    "intersection": ("destination", "initial_vehicle_count", "spawn_probability", *ANY_TRAFFIC),
 }
+
+
+def without_version(name: str) -> str:
+    """An id without its version: "roundabout" of "roundabout-v1"."""
+    return name.rpartition("-v")[0]
+
+
+CONFIG_KEYS: dict[HighwayId, tuple[str, ...]] = {name: KEYS[without_version(name)] for name in get_args(HighwayId)}
 OWN_LANES = {"highway-v0": 4, "highway-fast-v0": 3}  # highway-env's lanes_count
 
 
@@ -84,6 +119,25 @@ class HighwayConfig(Section):
     destination: Literal["o1", "o2", "o3", "random"] | None = Field(
         default=None, description="o1 turns left, o2 goes straight on, o3 turns right"
     )
+    before_merge_length: Annotated[int, Field(ge=60, le=2000)] | None = Field(
+        default=None, description="m of road before the ramp comes nearer"
+    )
+    converge_merge_length: Annotated[int, Field(ge=20, le=500)] | None = Field(
+        default=None, description="m over which the ramp comes nearer"
+    )
+    parallel_merge_length: Annotated[int, Field(ge=20, le=2000)] | None = Field(
+        default=None, description="m over which the ramp is a lane of the road"
+    )
+    after_merge_length: Annotated[int, Field(ge=90, le=2000)] | None = Field(
+        default=None, description="m of road after the ramp's end"
+    )
+    roundabout_radius: Annotated[int, Field(ge=15, le=100)] | None = Field(
+        default=None, description="m, of the innermost lane's centre"
+    )
+    roundabout_lanes: Annotated[int, Field(ge=1, le=4)] | None = Field(default=None, description="of the roundabout")
+    length: Annotated[int, Field(ge=60, le=1000)] | None = Field(default=None, description="m of the long straights")
+    block_lane: bool | None = Field(default=None, description="true: barriers on the middle lane of the first straight")
+    force_decision: bool | None = Field(default=None, description="true: barriers on the first and the third lane")
     initial_vehicle_count: Cars | None = Field(default=None, description="cars at the start, at most")
     spawn_probability: Share | None = Field(default=None, description="of a new car in each second")
 

@@ -14,7 +14,7 @@ from vpf_sim.envs.highway.turns import forks
 from vpf_sim.envs.route import BEYOND_GOAL_M, Fork, Route
 from vpf_sim.scenarios import HighwayScenario
 
-DESTINATIONS = {"exit-v0": "exit"}  # of ids that have one which highway-env does not plan
+DESTINATIONS = {"exit-v0": "exit", "exit-v1": "exit"}  # of ids that have one which highway-env does not plan
 SPARE_M = 20.0  # lanes beyond the last waypoint
 
 

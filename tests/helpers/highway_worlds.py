@@ -13,6 +13,8 @@ from vpf_sim.scenarios.highway import HighwayId
 
 gymnasium.register_envs(highway_env)
 IDS: tuple[str, ...] = get_args(HighwayId)
+LATER = ("-v1", "-v2")  # versions with the road of an older one
+ROADS = [name for name in IDS if name == "intersection-v1" or not name.endswith((*LATER, "intersection-v0"))]
 
 
 def scenario(name: str, **config: Any) -> Any:

@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 from highway_env.vehicle.behavior import AggressiveVehicle, IDMVehicle
-from highway_worlds import IDS, empty, original, scenario, world
+from highway_worlds import ROADS, empty, original, scenario, world
 
 from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.four_lane import FourLane
@@ -21,7 +21,7 @@ for name in {names}:
 """
 
 
-@pytest.mark.parametrize("name", IDS)
+@pytest.mark.parametrize("name", ROADS)
 def test_the_traffic_is_highway_envs_own(name: str) -> None:
     theirs, ours = original(name, 4), world(name, 4)
     expected = [vehicle for vehicle in theirs.road.vehicles if vehicle is not theirs.vehicle]
@@ -33,7 +33,7 @@ def test_the_traffic_is_highway_envs_own(name: str) -> None:
     assert len(ours.road.objects) == len(theirs.road.objects)
 
 
-@pytest.mark.parametrize("name", IDS)
+@pytest.mark.parametrize("name", ROADS)
 def test_the_same_seed_gives_the_same_frames_whatever_was_driven_before(name: str) -> None:
     def frames() -> list[np.ndarray]:
         env = FourLane(name, "rain", rig=SMALL, rate_hz=20.0)

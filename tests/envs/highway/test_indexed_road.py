@@ -10,7 +10,7 @@ import pytest
 from highway_env.road.lane import StraightLane
 from highway_env.road.road import Road, RoadNetwork
 from highway_env.vehicle.behavior import IDMVehicle
-from highway_worlds import IDS, original, world
+from highway_worlds import ROADS, original, world
 
 from vpf_sim.envs.highway.indexed_road import speed_up
 from vpf_sim.envs.highway.lane_table import LaneTable
@@ -45,14 +45,14 @@ def assert_equal(name: str, seed: int, seconds: float, **config: Any) -> list[St
     return seen
 
 
-@pytest.mark.parametrize("name", IDS)
+@pytest.mark.parametrize("name", ROADS)
 def test_all_states_are_highway_envs(name: str) -> None:
     for seed in (0, 1):
         assert_equal(name, seed, 3.0)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", IDS)
+@pytest.mark.parametrize("name", ROADS)
 def test_all_states_are_highway_envs_over_many_seeds(name: str) -> None:
     for seed in range(20):
         assert_equal(name, seed, 20.0)
@@ -108,7 +108,7 @@ def test_neighbours_at_equal_places_are_those_of_highway_env(connected: bool) ->
     assert any(None not in pair for pair in expected)
 
 
-@pytest.mark.parametrize("name", IDS)
+@pytest.mark.parametrize("name", ROADS)
 def test_the_table_of_lanes_has_highway_envs_numbers(name: str) -> None:
     network = original(name, 0).road.network
     table, draw = LaneTable(network), np.random.default_rng(0)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from highway_worlds import IDS, original, scenario, world
+from highway_worlds import ROADS, original, scenario, world
 
 from vpf_sim import scenarios
 from vpf_sim.envs.highway.turns import turn_at
@@ -15,7 +15,7 @@ RINGING = 1.25  # where a straight meets an arc, the spline bends more than the 
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
-@pytest.mark.parametrize("name", IDS)
+@pytest.mark.parametrize("name", ROADS)
 def test_the_route_is_continuous_and_as_smooth_as_a_lane(name: str, seed: int) -> None:
     route = world(name, seed).route
     points = route.waypoints()
@@ -27,7 +27,7 @@ def test_the_route_is_continuous_and_as_smooth_as_a_lane(name: str, seed: int) -
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
-@pytest.mark.parametrize("name", IDS)
+@pytest.mark.parametrize("name", ROADS)
 def test_the_route_lies_within_lanes_and_mostly_on_their_centres(name: str, seed: int) -> None:
     lanes = original(name, seed).road.network.lanes_list()
     here = world(name, seed)
@@ -41,7 +41,7 @@ def test_the_route_lies_within_lanes_and_mostly_on_their_centres(name: str, seed
 
 
 @pytest.mark.parametrize("seed", [0, 3])
-@pytest.mark.parametrize("name", IDS)
+@pytest.mark.parametrize("name", ROADS)
 def test_the_ego_starts_where_highway_envs_does(name: str, seed: int) -> None:
     theirs, ours = original(name, seed).vehicle, world(name, seed).ego
     assert ours.position == pytest.approx(theirs.position)
