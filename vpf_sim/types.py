@@ -18,6 +18,7 @@ from vpf_sim.errors import InputError
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
+Reals = NDArray[np.floating[Any]]  # of single or double precision
 Bools = NDArray[np.bool_]
 Integers = NDArray[np.int64]
 Image = NDArray[np.uint8]  # (H, W, 3) RGB or (H, W) grey
@@ -166,6 +167,18 @@ class Command:
 
     throttle: float
     steering: float
+
+
+@dataclass(frozen=True, slots=True)
+class TrackingTarget:
+    """What a car that follows a planned motion should do now, and how far it is off."""
+
+    lateral_error_m: float  # + is right of the path
+    course_error_rad: float  # + points to the right of the path
+    curvature_per_m: float  # of the path, as far ahead as the steering needs
+    speed_mps: float
+    acceleration_mps2: float
+    behind_m: float  # the planned place less the car's, along the road
 
 
 class Driver(Protocol):

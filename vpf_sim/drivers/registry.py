@@ -7,6 +7,7 @@ from pathlib import Path
 
 from vpf_sim import process_state
 from vpf_sim.drivers import own, own_names
+from vpf_sim.drivers.expert import ExpertDriver
 from vpf_sim.drivers.idm import IdmDriver
 from vpf_sim.drivers.neutral import NeutralDriver
 from vpf_sim.drivers.route_followers import RouteDriver
@@ -79,6 +80,9 @@ _REGISTRY: dict[str, _Entry] = {
         lambda: RouteDriver("stanley"), "route", "steers by heading and cross-track error; blind to obstacles"
     ),
     "idm": _Entry(IdmDriver, "world", "highway-env's own driver: IDM along the lane, MOBIL across; gets all objects"),
+    "expert": _Entry(
+        ExpertDriver, "world", "the least cost of candidate motions in a field over space and time; gets all objects"
+    ),
     "lane-lines": _Entry(_lane_lines, "none", "lane lines from above, Stanley's law, a brake by time to contact"),
     "dominant-plane": _Entry(
         _dominant_plane,

@@ -1,0 +1,48 @@
+"""The potential field without objects: target potential, road potential, and the cost of comfort.
+
+The paper's fields with a third coordinate, time: a candidate's cost is the mean of the potentials along it.
+"""
+
+import numpy as np
+
+from vpf_sim.planning.spacetime.limits import room_m
+from vpf_sim.planning.spacetime.motions import Motions
+from vpf_sim.planning.spacetime.settings import CostSettings
+from vpf_sim.scene.road import Road
+from vpf_sim.types import Reals
+
+LEAST_REFERENCE_MPS = 0.1
+MOST_ONCOMING_M = 3.0
+
+
+def field(cost: CostSettings, motions: Motions, road: Road, reference_mps: float, ends_m: Reals) -> dict[str, Reals]:
+    """(P, M) each, or (1, M) or (P, 1), by the potential's name; `ends_m` (P,) are the paths' end positions."""
+    return {
+        "target": target(cost, motions, road, reference_mps, ends_m),
+        "road": road_potential(cost, motions, road.overhang_m),
+        "comfort": comfort(cost, motions),
+    }
+
+
+def target(cost: CostSettings, motions: Motions, road: Road, reference_mps: float, ends_m: Reals) -> Reals:
+    """Speed that is lacking, on the whole and at the end, and the distance from the route."""
+    reference = max(reference_mps, LEAST_REFERENCE_MPS)
+    lacking = ((motions.speed_mps - np.float32(reference_mps)) / np.float32(reference)) ** 2
+    along = cost.speed * (lacking.mean(axis=2) + 0.5 * lacking[..., -1])
+    return np.asarray(along + cost.route * np.abs(ends_m - road.route_m)[:, None], np.float32)
+
+
+def road_potential(cost: CostSettings, motions: Motions, overhang_m: float) -> Reals:
+    """Nearness of the edges, distance from the lanes' middles, and the width that is in oncoming lanes."""
+    room = np.maximum(room_m(motions, overhang_m), 0.0)
+    edges = cost.edge * np.exp(-room / np.float32(cost.edge_scale_m)).mean(axis=2)
+    lanes = cost.lane * (motions.lane_offset_m**2).mean(axis=2)
+    over = np.clip(motions.own_left_m - motions.d_m + motions.half_width_m, 0.0, MOST_ONCOMING_M)
+    return np.asarray(edges + lanes + cost.oncoming * over.mean(axis=2), np.float32)
+
+
+def comfort(cost: CostSettings, motions: Motions) -> Reals:
+    """Mean squared accelerations."""
+    lateral = motions.speed_mps**2 * motions.curvature_per_m
+    along = (motions.acceleration_mps2**2).mean(axis=2)
+    return np.asarray(cost.acceleration * along + cost.lateral * (lateral**2).mean(axis=2), np.float32)

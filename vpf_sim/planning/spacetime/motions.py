@@ -1,0 +1,72 @@
+"""Candidates in the world: P paths x M profiles at T times."""
+
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+
+from vpf_sim.planning.spacetime.candidates import Paths, PathState, Profiles
+from vpf_sim.scene.road import Road
+from vpf_sim.types import Reals, VehicleModel
+
+LEAST_STRETCH = 0.2  # of 1 - d * curvature, on the inside of a bend
+LARGEST_SLIP_RAD = 0.7
+
+Real = TypeVar("Real", float, Reals)
+
+
+@dataclass(frozen=True, slots=True)
+class Motions:
+    """Places are relative to `origin_m`, so that single precision has millimetres."""
+
+    origin_m: tuple[float, float]
+    x_m: Reals  # (P, M, T) of the car's middle, from the origin
+    y_m: Reals
+    heading_rad: Reals  # (P, M, T) of the body
+    speed_mps: Reals  # (1, M, T)
+    acceleration_mps2: Reals  # (1, M, T)
+    d_m: Reals  # (P, M, T)
+    curvature_per_m: Reals  # (P, M, T) of the path
+    half_width_m: Reals  # (P, M, T) of the body across the road
+    left_m: Reals  # (1, M, T) the road's left edge
+    right_m: Reals
+    own_left_m: Reals
+    lane_offset_m: Reals  # (P, M, T) from the middle of the nearest lane
+
+
+def motions(road: Road, start: PathState, paths: Paths, profiles: Profiles, vehicle: VehicleModel) -> Motions:
+    """All paths with all profiles."""
+    s = (start.s_m + profiles.travelled_m)[None]
+    here = road.at(s)
+    origin = float(here.x_m[0, 0, 0]), float(here.y_m[0, 0, 0])
+    x, y = (here.x_m - origin[0]).astype(np.float32), (here.y_m - origin[1]).astype(np.float32)
+    heading, bend, left, right, own_left = (values.astype(np.float32) for values in here[2:])
+    d, slope, second = paths.at(s.astype(np.float32))
+    stretch = np.maximum(1.0 - bend * d, LEAST_STRETCH)
+    course = np.arctan(slope / stretch)
+    curvature = path_curvature(slope, second, bend, stretch)
+    body = course - np.clip(curvature * vehicle.l_r_m, -LARGEST_SLIP_RAD, LARGEST_SLIP_RAD)
+    half_width = 0.5 * (vehicle.length_m * np.abs(np.sin(body)) + vehicle.width_m * np.cos(body))
+    return Motions(
+        origin, x - d * np.sin(heading), y + d * np.cos(heading), heading + body,
+        profiles.speed_mps[None].astype(np.float32), profiles.acceleration_mps2[None].astype(np.float32),
+        d, curvature, half_width, left, right, own_left, _lane_offset(road, s, d),
+    )  # fmt: skip
+
+
+def path_curvature(slope: Real, second: Real, road_per_m: Real, stretch: Real) -> Real:
+    """1/m, of a path d(s) beside a road of a curvature; the road's change of curvature is left out.
+
+    Werling et al. 2010, appendix I, with stretch = 1 - d * road curvature.
+    """
+    square = 1.0 + (slope / stretch) ** 2
+    curvature: Real = (second / stretch**2 + road_per_m / stretch * (2.0 * square - 1.0)) / square**1.5
+    return curvature
+
+
+def _lane_offset(road: Road, s_m: Reals, d_m: Reals) -> Reals:
+    """|d| from the nearest lane's middle; from the route where there is no lane."""
+    nearest = np.full(d_m.shape, np.inf, np.float32)
+    for middle in road.lanes_at(s_m).astype(np.float32):
+        nearest = np.fmin(nearest, np.abs(d_m - middle))
+    return np.where(np.isfinite(nearest), nearest, np.abs(d_m - np.float32(road.route_m)))

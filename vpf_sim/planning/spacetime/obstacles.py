@@ -1,0 +1,182 @@
+"""The potential of objects in space and time: occupied places, nearness, and distance behind who drives ahead.
+
+An object's rectangle grows by the quantile of its uncertainty: a place inside is occupied with more than the stated
+probability. Two rectangles are apart if an axis of one of them separates them (Gottschalk, Lin, Manocha 1996,
+doi:10.1145/237170.237244).
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import ndtri
+
+from vpf_sim.planning.spacetime.motions import Motions
+from vpf_sim.planning.spacetime.settings import CostSettings, LimitSettings
+from vpf_sim.scene.prediction import Prediction
+from vpf_sim.scene.scene import EgoState
+from vpf_sim.types import Bools, Integers, Reals, VehicleModel
+
+PER_CONTACT = 600.0
+CONTACT_S = 2.5  # a contact counts e times less so much later: the motion will have been planned again
+NEAR_S = 4.0  # and nearness
+ALONG_SHARE = 0.4  # a metre ahead is as near as so much to the side
+IN_LANE_M = 0.25  # who is nearer to the own path, across, is followed
+BRAKING_MPS2 = 5.5  # of the braking distance, for both cars
+STANDING_GAP_M, REACTION_S = 1.0, 0.3
+GAP_S = 0.9
+BEYOND_S = 8.0  # an object ahead allows the speed with which it is reached in this time beyond its rear
+BEYOND_GAP_M = 2.0
+BEYOND_SIDE_M = 0.2
+OUT_OF_REACH_M = 40.0
+
+
+class Gaps(NamedTuple):
+    """Distances between the car and an object along axes, (N, T) each; the largest is < 0 where they overlap."""
+
+    along: Reals  # the car's axes
+    across: Reals
+    object_axes: Reals  # the larger of the object's two
+    forward: Reals  # place of the object's middle, in the car's axes
+    same_way: Reals  # cosine between the headings
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """The car's rectangles along N motions at T times, from the motions' origin."""
+
+    x_m: Reals
+    y_m: Reals
+    cosine: Reals
+    sine: Reals
+    speed_mps: Reals
+    half_length_m: float
+    half_width_m: float
+
+    @classmethod
+    def of(cls, motions: Motions, rows: Integers, vehicle: VehicleModel) -> "Body":
+        """The bodies of some motions, by their rows in the flattened (P, M)."""
+        p, m = np.unravel_index(rows, motions.d_m.shape[:2])
+        heading = motions.heading_rad[p, m]
+        place = motions.x_m[p, m], motions.y_m[p, m]
+        size = 0.5 * vehicle.length_m, 0.5 * vehicle.width_m
+        return cls(*place, np.cos(heading), np.sin(heading), motions.speed_mps[0, m], *size)
+
+
+def gaps(body: Body, prediction: Prediction, k: int, origin_m: tuple[float, float], quantile: float) -> Gaps:
+    """The distances from track k, grown by `quantile` standard deviations."""
+    x, y = prediction.x_m[k] - origin_m[0], prediction.y_m[k] - origin_m[1]
+    dx, dy = np.float32(x) - body.x_m, np.float32(y) - body.y_m
+    heading = prediction.heading_rad[k]
+    cosine, sine = np.cos(heading).astype(np.float32), np.sin(heading).astype(np.float32)
+    half_length = np.float32(0.5 * prediction.tracks.length_m[k] + quantile * prediction.along_sigma_m[k])
+    half_width = np.float32(0.5 * prediction.tracks.width_m[k] + quantile * prediction.across_sigma_m[k])
+    same_way = cosine * body.cosine + sine * body.sine
+    same, turned = np.abs(same_way), np.abs(sine * body.cosine - cosine * body.sine)
+    forward, right = body.cosine * dx + body.sine * dy, body.cosine * dy - body.sine * dx
+    along = np.abs(forward) - (body.half_length_m + same * half_length + turned * half_width)
+    across = np.abs(right) - (body.half_width_m + turned * half_length + same * half_width)
+    object_along = np.abs(cosine * dx + sine * dy) - (
+        half_length + same * body.half_length_m + turned * body.half_width_m
+    )
+    object_across = np.abs(cosine * dy - sine * dx) - (
+        half_width + turned * body.half_length_m + same * body.half_width_m
+    )
+    return Gaps(along, across, np.maximum(object_along, object_across), forward, same_way)
+
+
+class ObstaclePotential:
+    """The objects' part of the field, for one scene."""
+
+    def __init__(
+        self,
+        limits: LimitSettings,
+        cost: CostSettings,
+        prediction: Prediction,
+        times_s: Reals,
+        vehicle: VehicleModel,
+        reference_mps: float,
+    ) -> None:
+        self._limits, self._cost = limits, cost
+        self._prediction = prediction
+        self._vehicle, self._reference_mps = vehicle, reference_mps
+        self._quantile = float(ndtri(1.0 - limits.occupied))
+        self._contact_decay = np.exp(-times_s / CONTACT_S).astype(np.float32)
+        self._near_decay = np.exp(-times_s / NEAR_S).astype(np.float32)
+
+    def of(self, motions: Motions, rows: Integers) -> tuple[Reals, Reals]:
+        """(N,) price of contacts, and (N,) cost of nearness and short distances, of some motions."""
+        body = Body.of(motions, rows, self._vehicle)
+        contact, near = np.zeros_like(body.x_m), np.zeros_like(body.x_m)
+        for k in range(len(self._prediction.tracks)):
+            if self._is_far(body, k, motions.origin_m):
+                continue
+            gap = gaps(body, self._prediction, k, motions.origin_m, self._quantile)
+            if _follows(gap):
+                continue
+            speed = np.float32(self._prediction.tracks.speed_mps[k]) * gap.same_way
+            contact = np.maximum(contact, self._contact(gap, body.speed_mps, speed))
+            near += self._nearness(gap, body.speed_mps) + self._distance_behind(gap, body.speed_mps, speed)
+        return PER_CONTACT * contact[:, 1:].max(axis=1), near.mean(axis=1)
+
+    def _is_far(self, body: Body, k: int, origin_m: tuple[float, float]) -> bool:
+        """Whether no motion comes near track k."""
+        dx = self._prediction.x_m[k] - origin_m[0] - body.x_m
+        dy = self._prediction.y_m[k] - origin_m[1] - body.y_m
+        return float((np.abs(dx) + np.abs(dy)).min()) > OUT_OF_REACH_M + 0.8 * self._reference_mps
+
+    def _contact(self, gap: Gaps, speed: Reals, other: Reals) -> Reals:
+        """(N, T) price of an occupied place: more for a hard impact, a deep overlap, and soon."""
+        limits = self._limits
+        apart = np.maximum(
+            np.maximum(gap.along - limits.along_m, gap.across - limits.across_m), gap.object_axes - limits.across_m
+        )
+        impact = 0.4 + 0.15 * np.minimum(np.abs(speed - np.maximum(other, 0.0)), 12.0)
+        return np.where(apart < 0.0, self._contact_decay * impact * (0.3 + np.minimum(-apart, 0.7)), np.float32(0.0))
+
+    def _nearness(self, gap: Gaps, speed: Reals) -> Reals:
+        """(N, T) potential of an object: more beside it than behind it, and at speed."""
+        apart = np.maximum(np.maximum(np.maximum(gap.along, gap.object_axes) * ALONG_SHARE, gap.across), 0.0)
+        share = 0.15 + speed / (self._reference_mps + 0.1)
+        potential: Reals = self._cost.near * np.exp(-apart / self._cost.near_scale_m) * share * self._near_decay
+        return potential
+
+    def _distance_behind(self, gap: Gaps, speed: Reals, other: Reals) -> Reals:
+        """(N, T) cost of less than the braking distance, and of less than a second, behind what is ahead."""
+        ahead = (gap.forward > 0.0) & (gap.across < IN_LANE_M)
+        closing = np.maximum(speed**2 - np.maximum(other, 0.0) ** 2, 0.0)
+        braking = np.maximum(STANDING_GAP_M + REACTION_S * speed + 0.5 * closing / BRAKING_MPS2 - gap.along, 0.0)
+        second = np.maximum(STANDING_GAP_M + GAP_S * speed - gap.along, 0.0)
+        cost = self._cost.follow * braking**2 / (1.0 + 0.05 * speed**2)
+        cost += self._cost.time_gap * second**2 / (1.0 + 0.02 * speed**2)
+        return np.where(ahead, cost, np.float32(0.0))
+
+    def blocked(self, ego: EgoState, ends_m: Reals) -> Reals:
+        """(P,) squared share of the speed that is lacking beyond the horizon at the paths' end positions."""
+        prediction, tracks = self._prediction, self._prediction.tracks
+        allowed = np.full(len(ends_m), self._reference_mps)
+        for k in np.flatnonzero(_keeps_lane(prediction)).tolist():
+            same = abs(np.cos(prediction.heading_rad[k, 0] - ego.yaw_rad))
+            turned = np.sqrt(max(1.0 - same**2, 0.0))
+            half_length = 0.5 * (same * tracks.length_m[k] + turned * tracks.width_m[k])
+            half_width = 0.5 * (turned * tracks.length_m[k] + same * tracks.width_m[k])
+            gap_m = tracks.s_m[k] - ego.s_m - half_length - 0.5 * self._vehicle.length_m
+            if gap_m < -half_length:
+                continue
+            speed = max(0.0, prediction.along_mps[k] + max(gap_m - BEYOND_GAP_M, 0.0) / BEYOND_S)
+            is_blocked = np.abs(ends_m - tracks.d_m[k]) < half_width + 0.5 * self._vehicle.width_m + BEYOND_SIDE_M
+            allowed = np.where(is_blocked, np.minimum(allowed, speed), allowed)
+        lacking: Reals = ((self._reference_mps - allowed) / max(self._reference_mps, 0.1)) ** 2
+        return self._cost.blocked * lacking
+
+
+def _keeps_lane(prediction: Prediction) -> Bools:
+    """(K,) on the road, and not moving across it."""
+    across, along = np.abs(prediction.across_mps), np.abs(prediction.along_mps)
+    keeps: Bools = prediction.on_road & (across <= 0.5 * along + 0.3)
+    return keeps
+
+
+def _follows(gap: Gaps) -> bool:
+    """Whether the object is behind the car in its lane: it brakes for it."""
+    return bool(gap.forward[0, 0] < 0.0 and gap.across[0, 0] < 0.1 and gap.same_way[0, 0] > 0.8)

@@ -1,0 +1,188 @@
+"""The planner in space and time, on one page: candidates, limits, field, choice.
+
+candidates -> limits -> field of road, target and comfort -> objects in space and time -> the least cost
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import asin, cos, tan
+
+import numpy as np
+
+from vpf_sim.geometry import wrap_angle
+from vpf_sim.planning.spacetime import candidates, limits
+from vpf_sim.planning.spacetime.candidates import Paths, PathState, Profiles
+from vpf_sim.planning.spacetime.field import field
+from vpf_sim.planning.spacetime.limits import REJECTED
+from vpf_sim.planning.spacetime.motions import Motions, motions
+from vpf_sim.planning.spacetime.obstacles import ObstaclePotential
+from vpf_sim.planning.spacetime.settings import SpacetimeSettings
+from vpf_sim.scene import Scene, predict
+from vpf_sim.types import Reals, VehicleModel
+
+BATCH = 200  # motions that are compared with the objects at a time
+ON_PLAN_M, ON_PLAN_MPS = 0.3, 0.7  # a car that is nearer to its plan goes on from the plan
+LARGEST_ANGLE_RAD = 0.9
+SLOW_MPS = 0.3  # below it the yaw rate tells nothing of the curvature
+MOST_CHANGE_M = 3.0
+SPEED_CHANGE_S = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """The chosen motion, and why the others were not."""
+
+    time_s: float  # at which it begins
+    start: PathState
+    path: Paths  # one
+    profile: Profiles  # one
+    times_s: Reals  # (T,) from its beginning
+    cost: float
+    rejected: Mapping[str, int]  # number of rejected candidates by the limit that they break most
+    is_rejected: bool  # it breaks a limit, as all others do
+
+    def speed_at(self, time_s: float) -> float:
+        """m/s along the road."""
+        return float(np.interp(time_s - self.time_s, self.times_s, self.profile.speed_mps[0]))
+
+    def acceleration_at(self, time_s: float) -> float:
+        """m/s^2 along the road."""
+        return float(np.interp(time_s - self.time_s, self.times_s, self.profile.acceleration_mps2[0]))
+
+    def s_at(self, time_s: float) -> float:
+        """m along the road."""
+        travelled = np.interp(time_s - self.time_s, self.times_s, self.profile.travelled_m[0])
+        return self.start.s_m + float(travelled)
+
+    def path_at(self, s_m: float) -> tuple[float, float, float]:
+        """d m, d d / d s and d^2 d / d s^2 /m at s."""
+        d, slope, bend = self.path.at(np.array([s_m]))
+        return float(d[0]), float(slope[0]), float(bend[0])
+
+
+class SpacetimePlanner:
+    """Plans from scene to scene; it keeps its last motion."""
+
+    def __init__(self, settings: SpacetimeSettings, vehicle: VehicleModel) -> None:
+        self._settings, self._vehicle = settings, vehicle
+        steps = round(settings.candidates.horizon_s / settings.candidates.step_s)
+        self._times_s = settings.candidates.step_s * np.arange(steps + 1)
+        self.motion: Motion | None = None
+
+    def plan(self, scene: Scene) -> Motion:
+        """The motion of least cost."""
+        start = self._start(scene)
+        paths, profiles = self._candidates(scene, start)
+        considered = motions(scene.road, start, paths, profiles, self._vehicle)
+        prices = limits.prices(self._settings.limits, considered, self._times_s, scene.road.overhang_m)
+        potentials = field(self._settings.cost, considered, scene.road, scene.speed_reference_mps, paths.end_m)
+        objects = self._objects(scene)
+        shape = considered.d_m.shape[:2]
+        price = np.broadcast_to(sum(prices.values()), shape).ravel()
+        cost = (
+            sum(potentials.values())
+            + objects.blocked(scene.ego, paths.end_m)[:, None]
+            + self._changes(scene, paths, profiles)
+        )
+        cost = np.broadcast_to(cost, shape).ravel() + price
+        best, least, contact_price, collisions = self._cheapest(objects, considered, cost)
+        p, m = divmod(best, shape[1])
+        rejected = _reasons(prices, shape, collisions)
+        broken = float(price[best]) + contact_price > REJECTED
+        self.motion = Motion(
+            scene.time_s, start, paths.only(p), profiles.only(m), self._times_s, least, rejected, broken
+        )
+        return self.motion
+
+    def _objects(self, scene: Scene) -> ObstaclePotential:
+        prediction = predict(scene.road, scene.tracks, self._times_s)
+        settings = self._settings
+        return ObstaclePotential(
+            settings.limits, settings.cost, prediction, self._times_s, self._vehicle, scene.speed_reference_mps
+        )
+
+    def _candidates(self, scene: Scene, start: PathState) -> tuple[Paths, Profiles]:
+        settings, last = self._settings.candidates, self.motion
+        kept_path, kept_mps = (None, None) if last is None else (last.path, self._last_speeds(scene.time_s))
+        found = candidates.paths(settings, start, scene.road, self._vehicle.width_m, kept_path)
+        return found, candidates.profiles(settings, start, scene.speed_reference_mps, self._times_s, kept_mps)
+
+    def _last_speeds(self, time_s: float) -> Reals | None:
+        """(T,) the last motion's speeds from now on."""
+        last = self.motion
+        if last is None:
+            return None
+        speeds: Reals = np.interp(self._times_s + time_s - last.time_s, last.times_s, last.profile.speed_mps[0])
+        return speeds
+
+    def _start(self, scene: Scene) -> PathState:
+        """The last motion's state, or the car's where it has left that."""
+        ego, last = scene.ego, self.motion
+        if last is not None:
+            d, slope, bend = last.path_at(ego.s_m)
+            speed = last.speed_at(scene.time_s)
+            if abs(ego.d_m - d) < ON_PLAN_M and abs(ego.speed_mps - speed) < ON_PLAN_MPS:
+                limit = self._settings.limits
+                acceleration = min(
+                    max(last.acceleration_at(scene.time_s), -limit.deceleration_mps2), limit.acceleration_mps2
+                )
+                return PathState(ego.s_m, d, slope, bend, speed, acceleration)
+        return self._measured(scene)
+
+    def _measured(self, scene: Scene) -> PathState:
+        """The car's own state on the road: its course is its heading and the slip of a bicycle's middle."""
+        ego = scene.ego
+        heading, curvature = scene.road.direction_at(ego.s_m)
+        angle = wrap_angle(ego.yaw_rad + slip_rad(ego.speed_mps, ego.yaw_rate_radps, self._vehicle) - heading)
+        angle = min(max(angle, -LARGEST_ANGLE_RAD), LARGEST_ANGLE_RAD)
+        own = ego.yaw_rate_radps / ego.speed_mps if ego.speed_mps > SLOW_MPS else 0.0
+        slope = tan(angle) * (1.0 - curvature * ego.d_m)
+        return PathState(ego.s_m, ego.d_m, slope, (own - curvature) / cos(angle) ** 3, ego.speed_mps, 0.0)
+
+    def _changes(self, scene: Scene, paths: Paths, profiles: Profiles) -> Reals:
+        """(P, M) cost of another end position and of another speed than in the last plan."""
+        last = self.motion
+        if last is None:
+            return np.zeros((1, 1))
+        aside = np.minimum(np.abs(paths.end_m - last.path.end_m), MOST_CHANGE_M)
+        soon = round(SPEED_CHANGE_S / self._settings.candidates.step_s)
+        faster = np.abs(profiles.speed_mps[:, soon] - last.speed_at(scene.time_s + SPEED_CHANGE_S))
+        cost = self._settings.cost
+        changed: Reals = (
+            cost.change_side * (aside + 0.5 * (aside > ON_PLAN_M))[:, None] + cost.change_speed * faster[None]
+        )
+        return changed
+
+    def _cheapest(self, objects: ObstaclePotential, considered: Motions, cost: Reals) -> tuple[int, float, float, int]:
+        """Row, cost and price of contacts of the cheapest motion, and how many others meet an object.
+
+        The objects' cost is >= 0, so the motions are gone through from the cheapest until none can be better.
+        """
+        order = np.argsort(cost, kind="stable")
+        best, least, price, collisions = int(order[0]), np.inf, 0.0, 0
+        for first in range(0, len(order), BATCH):
+            rows = order[first : first + BATCH]
+            if cost[rows[0]] >= least:
+                break
+            contact, near = objects.of(considered, rows)
+            collisions += int((contact > REJECTED).sum())
+            total = cost[rows] + contact + near
+            if total.min() < least:
+                index = int(np.argmin(total))
+                best, least, price = int(rows[index]), float(total[index]), float(contact[index])
+        return best, least, price, collisions
+
+
+def slip_rad(speed_mps: float, yaw_rate_radps: float, vehicle: VehicleModel) -> float:
+    """Angle from the heading to the velocity of the middle of a kinematic bicycle."""
+    if speed_mps <= SLOW_MPS:
+        return 0.0
+    return asin(min(max(yaw_rate_radps * vehicle.l_r_m / speed_mps, -LARGEST_ANGLE_RAD), LARGEST_ANGLE_RAD))
+
+
+def _reasons(prices: Mapping[str, Reals], shape: tuple[int, ...], collisions: int) -> dict[str, int]:
+    """The number of rejected candidates by the limit that they break most; of objects, as far as they were compared."""
+    table = np.stack([np.broadcast_to(price, shape).ravel() for price in prices.values()])
+    is_rejected = table.sum(axis=0) > REJECTED
+    counts = np.bincount(table[:, is_rejected].argmax(axis=0), minlength=len(table)).tolist()
+    return {name: count for name, count in (*zip(prices, counts, strict=True), ("collision", collisions)) if count}

@@ -1,0 +1,91 @@
+"""Where the tracks will be: constant velocity along the road, or constant turn rate off it, with growing uncertainty.
+
+A vehicle that drives along the road and moves to the side is expected to stay in the lane that it comes to. What
+crosses the road, or is beside it as in a junction, keeps its speed and turn rate (CTRV: Schubert, Richter, Wanielik,
+Fusion 2008).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vpf_sim.geometry import wrap_angles
+from vpf_sim.scene.road import Road
+from vpf_sim.scene.tracks import Tracks
+from vpf_sim.types import Bools, Floats, Reals
+
+ALONG_RAD = 0.5  # a track at a smaller angle to the road, in either direction, drives along it
+LANE_CHANGE_MPS = 0.05  # lateral speed of a vehicle that changes its lane
+NEXT_LANE_SHARE = 0.05  # of a lane's width; who is nearer to a lane's middle is in that lane
+BESIDE_M = 1.0  # beyond an edge, a track along the road still follows it
+MOVING_MPS = 0.2
+
+
+@dataclass(frozen=True, slots=True)
+class Prediction:
+    """K tracks at T times: middles and headings in the world, and the standard deviations along and across them."""
+
+    tracks: Tracks
+    x_m: Floats  # (K, T)
+    y_m: Floats  # (K, T)
+    heading_rad: Floats  # (K, T)
+    along_sigma_m: Floats  # (K, T)
+    across_sigma_m: Floats  # (K, T)
+    on_road: Bools  # (K,) follows the road
+    along_mps: Floats  # (K,) speed along the road, of those on it
+    across_mps: Floats  # (K,)
+
+
+def predict(road: Road, tracks: Tracks, times_s: Reals) -> Prediction:
+    """The tracks at future times (T,), seconds from now."""
+    place = road.at(np.nan_to_num(tracks.s_m))
+    relative = wrap_angles(tracks.heading_rad - place.heading_rad)
+    on_road = _follows(place.left_m, place.right_m, relative, tracks)
+    along = tracks.speed_mps * np.cos(relative)
+    along = along / np.maximum(1.0 - place.curvature_per_m * np.nan_to_num(tracks.d_m), 0.3)
+    across = tracks.speed_mps * np.sin(relative)
+    x, y, heading = _turning(tracks, times_s)
+    if on_road.any():
+        rows = np.flatnonzero(on_road)
+        s = tracks.s_m[rows, None] + along[rows, None] * times_s
+        d = tracks.d_m[rows, None] + _aside(road, tracks.d_m[rows], across[rows], times_s)
+        x[rows], y[rows], road_heading = road.world(s, d)
+        heading[rows] = road_heading + relative[rows, None]
+    return Prediction(
+        tracks, x, y, heading, _sigma(tracks, 0, times_s), _sigma(tracks, 1, times_s), on_road, along, across
+    )
+
+
+def _follows(left_m: Floats, right_m: Floats, relative: Floats, tracks: Tracks) -> Bools:
+    """(K,) whether a track drives along the road."""
+    on = (tracks.d_m > left_m - BESIDE_M) & (tracks.d_m < right_m + BESIDE_M)  # False at nan
+    follows: Bools = on & (np.minimum(np.abs(relative), np.pi - np.abs(relative)) < ALONG_RAD)
+    return follows
+
+
+def _aside(road: Road, d_m: Floats, across: Floats, times_s: Reals) -> Floats:
+    """(K, T) m to the right of now: a vehicle that changes lanes stops in the middle of the next one."""
+    aside = across[:, None] * times_s
+    lane = (d_m - road.route_m) / road.lane_width_m
+    ahead = np.where(across > 0.0, np.ceil(lane - NEXT_LANE_SHARE), np.floor(lane + NEXT_LANE_SHARE))
+    reach = ahead * road.lane_width_m + road.route_m - d_m
+    limit = np.where(np.abs(across) > LANE_CHANGE_MPS, np.maximum(np.where(across > 0.0, reach, -reach), 0.0), np.inf)
+    return np.clip(aside, -limit[:, None], limit[:, None])
+
+
+def _turning(tracks: Tracks, times_s: Reals) -> tuple[Floats, Floats, Floats]:
+    """(K, T) each: x, y and heading at constant speed and turn rate."""
+    turn = tracks.yaw_rate_radps[:, None] * times_s
+    course = tracks.heading_rad[:, None] + 0.5 * turn
+    chord = tracks.speed_mps[:, None] * times_s * np.sinc(turn / (2.0 * np.pi))
+    x, y = tracks.x_m[:, None] + chord * np.cos(course), tracks.y_m[:, None] + chord * np.sin(course)
+    return x, y, tracks.heading_rad[:, None] + turn
+
+
+def _sigma(tracks: Tracks, axis: int, times_s: Reals) -> Floats:
+    """(K, T) m, standard deviation along (0) or across (1) a track, from its place's and its velocity's."""
+    place, both, speed = (
+        tracks.covariance[:, row, column] for row, column in ((axis, axis), (axis, axis + 2), (axis + 2, axis + 2))
+    )
+    variance = place[:, None] + 2.0 * both[:, None] * times_s + speed[:, None] * times_s**2
+    return np.sqrt(np.maximum(variance, 0.0))

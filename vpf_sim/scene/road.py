@@ -1,0 +1,68 @@
+"""The road along a route, in road coordinates: s, metres along the reference line, and d, metres right of it."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from vpf_sim.types import Floats, Reals
+
+
+class Section(NamedTuple):
+    """Quantities of the road at some s, each of the shape of s."""
+
+    x_m: Floats
+    y_m: Floats
+    heading_rad: Floats
+    curvature_per_m: Floats
+    left_m: Floats
+    right_m: Floats
+    own_left_m: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Road:
+    """Tables of a road at M equidistant stations; it goes on straight, with its last edges, beyond both ends.
+
+    `left_m` and `right_m` are d of the carriageway's edges, `own_left_m` of the left side of the lanes in our
+    direction. `lanes_m` are d of the middles of these lanes, nan where a lane is missing. Where roads part, the
+    reference line is the way to take.
+    """
+
+    station_m: Floats  # (M,)
+    x_m: Floats  # (M,) of the reference line in the world
+    y_m: Floats  # (M,)
+    heading_rad: Floats  # (M,) continuous
+    curvature_per_m: Floats  # (M,) + bends right
+    left_m: Floats  # (M,)
+    right_m: Floats  # (M,)
+    own_left_m: Floats  # (M,)
+    edge_sigma_m: Floats  # (M,) standard deviation of the edges
+    lanes_m: Floats  # (L, M)
+    lane_width_m: float
+    route_m: float  # d of the route
+    overhang_m: float = 0.0  # by which the car's corners may be beyond an edge
+
+    def at(self, s_m: Reals) -> Section:
+        """The road's quantities at stations of any shape."""
+        tables = (getattr(self, name) for name in Section._fields)
+        return Section(*(np.interp(s_m, self.station_m, table) for table in tables))
+
+    def direction_at(self, s_m: float) -> tuple[float, float]:
+        """Heading, rad, and curvature, 1/m, of the reference line at one s."""
+        tables = (self.heading_rad, self.curvature_per_m)
+        heading, curvature = (float(np.interp(s_m, self.station_m, table)) for table in tables)
+        return heading, curvature
+
+    def lanes_at(self, s_m: Reals) -> Floats:
+        """(L, ...) m, d of the lanes' middles at the nearest stations; nan where a lane is missing."""
+        step_m = self.station_m[1] - self.station_m[0]
+        rows = np.rint((s_m - self.station_m[0]) / step_m).astype(np.intp)
+        found: Floats = self.lanes_m[:, np.clip(rows, 0, len(self.station_m) - 1)]
+        return found
+
+    def world(self, s_m: Floats, d_m: Floats) -> tuple[Floats, Floats, Floats]:
+        """World x m, y m, and the road's heading, rad, at road coordinates."""
+        here = self.at(s_m)
+        x_m, y_m = here.x_m - d_m * np.sin(here.heading_rad), here.y_m + d_m * np.cos(here.heading_rad)
+        return x_m, y_m, here.heading_rad
