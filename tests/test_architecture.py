@@ -35,8 +35,9 @@ MAY_IMPORT = {
     "controllers": LEAVES,
     "envs": LEAVES | {"scenarios"},
     "perception": LEAVES,
-    "planning": LEAVES | {"perception"},
-    "drivers": LEAVES | {"perception", "planning", "controllers"},
+    "scene": LEAVES,
+    "planning": LEAVES | {"perception", "scene"},
+    "drivers": LEAVES | {"perception", "scene", "planning", "controllers"},
 }
 MAY_IMPORT["evaluation"] = MAY_IMPORT["drivers"] | {"drivers", "envs", "scenarios"}
 MAY_IMPORT["reporting"] = MAY_IMPORT["evaluation"] | {"evaluation"}
@@ -68,7 +69,7 @@ SUBPACKAGES: dict[str, dict[str, set[str]]] = {
         "paper": {"egomotion"},
     },
     "perception.obstacles": {"planar_parallax": set(), "moving": set()},
-    "planning": {"paper": {"lane"}, "lane": set(), "variants": set()},
+    "planning": {"paper": {"lane"}, "lane": set(), "spacetime": set(), "variants": set()},
     "planning.lane": {"speed": set()},
 }
 MOST_FILES = 16  # in a folder of perception

@@ -1,0 +1,45 @@
+"""Scenes made by hand: a road of constant curvature with three lanes of 3.5 m, and objects on it."""
+
+import numpy as np
+
+from vpf_sim.scene import EgoState, Road, Scene, Tracks
+
+LANE_M, EDGE_M = 3.5, 5.25
+STEP_M = 0.5
+
+
+def road(curvature_per_m: float = 0.0, oncoming_lanes: int = 0) -> Road:
+    """From s = -60 to 300 m; it begins at the origin in the direction of x, with d = 0 in the middle lane."""
+    s = np.arange(-60.0, 300.0, STEP_M)
+    heading = curvature_per_m * s
+    if curvature_per_m:
+        x, y = np.sin(heading) / curvature_per_m, (1.0 - np.cos(heading)) / curvature_per_m
+    else:
+        x, y = s, np.zeros_like(s)
+    same = np.ones_like(s)
+    own_left = -EDGE_M + LANE_M * oncoming_lanes
+    lanes = np.array([middle * same for middle in (-LANE_M, 0.0, LANE_M) if middle > own_left])
+    return Road(
+        s, x, y, heading, curvature_per_m * same, -EDGE_M * same, EDGE_M * same, own_left * same, 0.0 * s, lanes,
+        lane_width_m=LANE_M,
+        route_m=0.0,
+    )  # fmt: skip
+
+
+def tracks(on: Road, *objects: tuple[float, ...]) -> Tracks:
+    """Each (s, d, heading relative to the road, speed, length, width)."""
+    count = len(objects)
+    s, d, relative, speed, length, width = np.array(objects, float).reshape(count, 6).T
+    x, y, heading = on.world(s, d)
+    none, covariance = np.zeros(count), np.zeros((count, 4, 4))
+    return Tracks(x, y, heading + relative, speed, none, length, width, s, d, none + 20.0, covariance, np.arange(count))
+
+
+def scene(
+    on: Road, seen: Tracks, s_m: float = 0.0, d_m: float = 0.0, speed_mps: float = 5.5, reference_mps: float = 5.5
+) -> Scene:
+    """The ego drives along the road at (s, d)."""
+    x, y, heading = (float(value) for value in on.world(np.array(s_m), np.array(d_m)))
+    curvature = on.direction_at(s_m)[1]
+    ego = EgoState(x, y, heading, speed_mps, speed_mps * curvature / (1.0 - curvature * d_m), s_m, d_m)
+    return Scene(0.0, ego, on, seen, reference_mps)

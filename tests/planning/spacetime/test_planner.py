@@ -1,0 +1,98 @@
+"""Plans in scenes of which the right motion is known."""
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+from made_scene import LANE_M, road, scene, tracks
+
+from vpf_sim.planning.spacetime import settings
+from vpf_sim.planning.spacetime.planner import Motion, SpacetimePlanner
+from vpf_sim.scene import Road, Tracks
+from vpf_sim.types import VehicleModel
+
+CAR = (4.5, 1.9)
+
+
+def planned(on: Road, seen: Tracks, s_m: float = 0.0, d_m: float = 0.0, speed_mps: float = 5.5) -> Motion:
+    return SpacetimePlanner(settings.load(), VehicleModel()).plan(scene(on, seen, s_m, d_m, speed_mps))
+
+
+def driven_m(motion: Motion, time_s: float) -> float:
+    return motion.s_at(time_s) - motion.start.s_m
+
+
+def test_on_a_free_road_it_keeps_lane_and_speed() -> None:
+    motion = planned(road(), tracks(road()))
+    assert motion.path.end_m[0] == pytest.approx(0.0, abs=0.01)
+    np.testing.assert_allclose(motion.profile.speed_mps, 5.5, atol=0.01)
+    assert not motion.is_rejected
+
+
+def test_a_slow_start_ends_at_the_reference_speed() -> None:
+    assert planned(road(), tracks(road()), speed_mps=2.0).speed_at(5.0) == pytest.approx(5.5, abs=0.1)
+
+
+@pytest.mark.parametrize("d_m", [-0.6, 0.6])
+def test_it_passes_a_parked_car_on_the_wider_side(d_m: float) -> None:
+    on = road()
+    motion = planned(on, tracks(on, (18.0, d_m, 0.0, 0.0, *CAR)))
+    beside_m, _, _ = motion.path_at(18.0)
+    assert np.sign(beside_m) == -np.sign(d_m)
+    assert abs(beside_m - d_m) > 1.9 + 0.2
+    assert motion.speed_at(3.0) > 4.0
+    assert motion.rejected["collision"] > 0
+
+
+def test_it_stops_before_a_blocked_road() -> None:
+    on = road()
+    wall = tracks(on, *((16.0, d, 0.0, 0.0, *CAR) for d in (-LANE_M, 0.0, LANE_M, -1.7, 1.7)))
+    motion = planned(on, wall)
+    assert driven_m(motion, 5.0) < 16.0 - 2.25 - 2.25 - 0.3
+
+
+def test_it_lets_a_pedestrian_cross() -> None:
+    """Who drives on meets the pedestrian at s = 14: the road is as wide as the lane, so only time is left."""
+    on = road()
+    narrow = replace(on, **{name: getattr(on, name) / 3.0 for name in ("left_m", "right_m", "own_left_m")})
+    motion = planned(narrow, tracks(narrow, (14.0, -2.4, pi / 2.0, 1.2, 0.5, 0.5)))
+    crossed_s = (2.4 - 0.95 - 0.25) / 1.2
+    assert driven_m(motion, crossed_s) < 14.0 - 2.25 - 0.25
+    assert motion.speed_at(1.0) > 0.0 or driven_m(motion, 5.0) < 14.0
+
+
+def test_it_does_not_change_into_a_lane_in_which_somebody_comes_from_behind() -> None:
+    on = road()
+    beside = ((6.0, d, 0.0, 0.0, *CAR) for d in (0.0, LANE_M))  # parked before the car and on its right
+    fast = (-14.0, -LANE_M, 0.0, 12.0, *CAR)
+    motion = planned(on, tracks(on, *((s + 9.0, d, *rest) for s, d, *rest in beside), fast), speed_mps=4.0)
+    overtakes_s = 14.0 / (12.0 - 4.0) + 0.5
+    at = motion.s_at(1.0)
+    assert overtakes_s > 1.0
+    assert motion.path_at(at)[0] > -LANE_M + 1.9
+
+
+def test_it_keeps_out_of_oncoming_lanes() -> None:
+    on = road(oncoming_lanes=1)
+    motion = planned(on, tracks(on, (60.0, -LANE_M, pi, 8.0, *CAR)))
+    assert motion.path.end_m[0] > -LANE_M / 2.0 + 0.5
+
+
+def test_a_bend_is_driven_within_the_lateral_limit() -> None:
+    on = road(1.0 / 12.0)
+    motion = planned(on, tracks(on), speed_mps=5.5)
+    limit = settings.load().limits.lateral_mps2
+    curvature = 1.0 / (12.0 - motion.path.end_m[0])
+    assert motion.speed_at(5.0) ** 2 * curvature < 1.05 * limit
+
+
+def test_the_next_plan_goes_on_from_the_last() -> None:
+    on = road()
+    planner = SpacetimePlanner(settings.load(), VehicleModel())
+    seen = tracks(on, (18.0, 0.6, 0.0, 0.0, *CAR))
+    first = planner.plan(scene(on, seen))
+    d_m, slope, _ = first.path_at(1.0)
+    second = planner.plan(scene(on, seen, 1.0, d_m + 0.05, 5.4))
+    assert (second.start.d_m, second.start.slope) == pytest.approx((d_m, slope))
+    assert second.path.end_m[0] == pytest.approx(first.path.end_m[0], abs=0.6)

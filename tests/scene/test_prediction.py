@@ -1,0 +1,56 @@
+"""Where tracks will be, against closed forms."""
+
+import numpy as np
+import pytest
+from made_scene import LANE_M, road, tracks
+
+from vpf_sim.scene import predict
+
+TIMES_S = np.arange(0.0, 5.0, 0.5)
+
+
+def test_a_car_in_a_bend_stays_in_its_lane() -> None:
+    bend = road(1.0 / 50.0)
+    seen = predict(bend, tracks(bend, (10.0, 2.0, 0.0, 6.0, 4.5, 1.9)), TIMES_S)
+    radius_m = np.hypot(seen.x_m[0], seen.y_m[0] - 50.0)
+    np.testing.assert_allclose(radius_m, 48.0, atol=0.01)
+    driven_m = 48.0 * (seen.heading_rad[0] - seen.heading_rad[0, 0])
+    np.testing.assert_allclose(driven_m, 6.0 * TIMES_S, atol=0.05)
+
+
+def test_who_changes_lanes_stops_in_the_next_lane() -> None:
+    straight = road()
+    turn = np.arcsin(1.0 / 6.0)
+    seen = predict(straight, tracks(straight, (10.0, 0.5, turn, 6.0, 4.5, 1.9)), TIMES_S)
+    np.testing.assert_allclose(seen.y_m[0], np.minimum(0.5 + TIMES_S, LANE_M), atol=1e-9)
+
+
+@pytest.mark.parametrize("heading_rad", [np.pi / 2.0, -np.pi / 2.0])
+def test_who_crosses_goes_on(heading_rad: float) -> None:
+    straight = road()
+    seen = predict(straight, tracks(straight, (20.0, 0.0, heading_rad, 1.4, 0.5, 0.5)), TIMES_S)
+    np.testing.assert_allclose(seen.x_m[0], 20.0, atol=1e-9)
+    np.testing.assert_allclose(seen.y_m[0], np.sign(heading_rad) * 1.4 * TIMES_S, atol=1e-9)
+
+
+def test_a_turning_car_beside_the_road_drives_on_its_circle() -> None:
+    straight = road()
+    made = tracks(straight, (20.0, 30.0, 0.0, 5.0, 4.5, 1.9))
+    made.yaw_rate_radps[:] = 0.25  # a radius of 20 m
+    seen = predict(straight, made, TIMES_S)
+    np.testing.assert_allclose(np.hypot(seen.x_m[0] - 20.0, seen.y_m[0] - 50.0), 20.0, atol=1e-9)
+
+
+def test_oncoming_traffic_drives_against_s() -> None:
+    straight = road()
+    seen = predict(straight, tracks(straight, (80.0, -LANE_M, np.pi, 8.0, 4.5, 1.9)), TIMES_S)
+    np.testing.assert_allclose(seen.x_m[0], 80.0 - 8.0 * TIMES_S, atol=1e-9)
+
+
+def test_the_uncertainty_grows_with_that_of_the_speed() -> None:
+    straight = road()
+    made = tracks(straight, (80.0, 0.0, 0.0, 8.0, 4.5, 1.9))
+    made.covariance[0] = np.diag([0.04, 0.01, 0.25, 0.0])
+    seen = predict(straight, made, TIMES_S)
+    np.testing.assert_allclose(seen.along_sigma_m[0], np.sqrt(0.04 + 0.25 * TIMES_S**2))
+    np.testing.assert_allclose(seen.across_sigma_m[0], 0.1)
