@@ -5,6 +5,7 @@ The paper's fields with a third coordinate, time: a candidate's cost is the mean
 
 import numpy as np
 
+from vpf_sim.planning.spacetime.candidates import PathState
 from vpf_sim.planning.spacetime.limits import room_m
 from vpf_sim.planning.spacetime.motions import Motions
 from vpf_sim.planning.spacetime.settings import CostSettings
@@ -12,6 +13,8 @@ from vpf_sim.scene.road import Road
 from vpf_sim.types import Reals
 
 LEAST_REFERENCE_MPS = 0.1
+AHEAD_M, EVERY_M = 600.0, 4.0  # of the road beyond the horizon
+LANE_CHANGE_S = 6.0  # wanted for each lane that has to be crossed before the lane ends
 MOST_ONCOMING_M = 3.0
 
 
@@ -30,6 +33,18 @@ def target(cost: CostSettings, motions: Motions, road: Road, reference_mps: floa
     lacking = ((motions.speed_mps - np.float32(reference_mps)) / np.float32(reference)) ** 2
     along = cost.speed * (lacking.mean(axis=2) + 0.5 * lacking[..., -1])
     return np.asarray(along + cost.route * np.abs(ends_m - road.route_m)[:, None], np.float32)
+
+
+def ending_lanes(cost: CostSettings, road: Road, start: PathState, width_m: float, ends_m: Reals) -> Reals:
+    """(P,) cost of end positions that are off the road farther on: the share of the wanted time that is lacking."""
+    ahead = np.arange(EVERY_M, AHEAD_M, EVERY_M)
+    section = road.at(start.s_m + ahead)
+    low, high = section.left_m + 0.5 * width_m, section.right_m - 0.5 * width_m
+    shift = np.maximum(np.maximum(low - ends_m[:, None], ends_m[:, None] - high), 0.0) - road.overhang_m
+    wanted_s = LANE_CHANGE_S * shift / road.lane_width_m
+    lacking = 1.0 - ahead / max(start.speed_mps, LEAST_REFERENCE_MPS) / np.maximum(wanted_s, 1e-9)
+    most: Reals = np.where(shift > 0.0, np.maximum(lacking, 0.0), 0.0).max(axis=1)
+    return cost.lane_end * most
 
 
 def road_potential(cost: CostSettings, motions: Motions, overhang_m: float) -> Reals:

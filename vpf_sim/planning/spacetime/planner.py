@@ -12,7 +12,7 @@ import numpy as np
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning.spacetime import candidates, limits
 from vpf_sim.planning.spacetime.candidates import Paths, PathState, Profiles
-from vpf_sim.planning.spacetime.field import field
+from vpf_sim.planning.spacetime.field import ending_lanes, field
 from vpf_sim.planning.spacetime.limits import REJECTED
 from vpf_sim.planning.spacetime.motions import Motions, motions
 from vpf_sim.planning.spacetime.obstacles import ObstaclePotential
@@ -77,13 +77,10 @@ class SpacetimePlanner:
         prices = limits.prices(self._settings.limits, considered, self._times_s, scene.road.overhang_m)
         potentials = field(self._settings.cost, considered, scene.road, scene.speed_reference_mps, paths.end_m)
         objects = self._objects(scene)
+        beyond = objects.blocked(scene.ego, paths.end_m) + self._ending_lanes(scene, start, paths)
         shape = considered.d_m.shape[:2]
         price = np.broadcast_to(sum(prices.values()), shape).ravel()
-        cost = (
-            sum(potentials.values())
-            + objects.blocked(scene.ego, paths.end_m)[:, None]
-            + self._changes(scene, paths, profiles)
-        )
+        cost = sum(potentials.values()) + beyond[:, None] + self._changes(scene, paths, profiles)
         cost = np.broadcast_to(cost, shape).ravel() + price
         best, least, contact_price, collisions = self._cheapest(objects, considered, cost)
         p, m = divmod(best, shape[1])
@@ -100,6 +97,9 @@ class SpacetimePlanner:
         return ObstaclePotential(
             settings.limits, settings.cost, prediction, self._times_s, self._vehicle, scene.speed_reference_mps
         )
+
+    def _ending_lanes(self, scene: Scene, start: PathState, paths: Paths) -> Reals:
+        return ending_lanes(self._settings.cost, scene.road, start, self._vehicle.width_m, paths.end_m)
 
     def _candidates(self, scene: Scene, start: PathState) -> tuple[Paths, Profiles]:
         settings, last = self._settings.candidates, self.motion

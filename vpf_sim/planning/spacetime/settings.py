@@ -46,6 +46,7 @@ class CostSettings:
     lateral: float = setting("Weight of the mean squared lateral acceleration.", ge=0.0)
     lane: float = setting("Weight of the mean squared distance from the nearest lane's middle.", ge=0.0)
     route: float = setting("Weight of the distance of the end position from the route.", ge=0.0)
+    lane_end: float = setting("Weight of the lacking time to leave a lane that ends.", ge=0.0)
     oncoming: float = setting("Weight of the mean width that the car covers of lanes of oncoming traffic.", ge=0.0)
     edge: float = setting("Weight of the nearness of the road's edges.", ge=0.0)
     edge_scale_m: float = setting("Distance in which the potential of an edge falls to its e-th part.", gt=0.0)
