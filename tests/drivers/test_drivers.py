@@ -63,6 +63,7 @@ def test_the_registry_and_its_descriptions() -> None:
         "pure-pursuit",
         "stanley",
         "idm",
+        "expert",
         "lane-lines",
         "dominant-plane",
         "learned-bc",
@@ -70,7 +71,7 @@ def test_the_registry_and_its_descriptions() -> None:
         "neutral",
     ]
     told = {row.name: row.privileged for row in drivers.describe() if row.privileged != "none"}
-    assert told == {"pid": "route", "pure-pursuit": "route", "stanley": "route", "idm": "world"}
+    assert told == {"pid": "route", "pure-pursuit": "route", "stanley": "route", "idm": "world", "expert": "world"}
     for row in drivers.describe():
         assert drivers.create(row.name).privileged == row.privileged
 
