@@ -7,7 +7,7 @@ import numpy as np
 from vpf_sim.envs.camera.atmosphere import HEAVIEST_RAIN_MMPH
 from vpf_sim.envs.camera.core import _core
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.scenery.scene import Snapshot
+from vpf_sim.envs.camera.snapshot import Snapshot
 from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.seeding import stream
 from vpf_sim.timing import timed
@@ -63,6 +63,8 @@ class Glass:
 
     def skip(self, now: Snapshot, before: Snapshot) -> None:
         """Go to this moment."""
+        if self._is_clear:
+            return
         gap_s = now.time_s - before.time_s
         way_m = np.subtract(now.view.centre, before.view.centre)
         speed_mps = float(np.sqrt((way_m**2).sum())) / gap_s if gap_s > 0.0 else FIRST_SPEED_MPS

@@ -39,6 +39,10 @@ class Haze:
         """Transmission t at depths, 0 to 1, in the same shape."""
         return np.asarray(np.exp(-self._extinction_per_m * depth_m))
 
+    def ground_rows(self) -> Image:
+        """(rows, 4) transmission of 255 and the air's RGB, of the rows of the ground that show haze."""
+        return np.concatenate([self._transmission[:, 0, :1], self._added[:, 0]], axis=1)
+
     @timed("render.haze")
     def ground(self, frame: Image) -> None:
         """Apply haze to the rows of the ground, in place."""

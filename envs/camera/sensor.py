@@ -7,6 +7,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from vpf_sim.envs.camera.core.frames import Core
+from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.light import GAMMA
 from vpf_sim.envs.camera.rig import Rig
 from vpf_sim.envs.camera.weather import Weather
@@ -22,47 +24,31 @@ CORRELATION_PX = 0.5  # sd of the blur of the noise by demosaicing and denoising
 class Sensor:
     """Blur, exposure and temporal noise of the sensor.
 
-    After a gamma of 2.2 temporal noise has nearly the same size at all tones. A noise bank is drawn once; each frame
-    adds it to each strip of the image from a random corner.
+    After a gamma of 2.2 temporal noise has nearly the same size at all tones. A noise bank is drawn once; at each time
+    each strip of the image gets another part of it.
     """
 
     def __init__(self, rig: Rig, weather: Weather, seed: int) -> None:
-        self._rng = stream(seed, "sensor noise")
-        self._size = (rig.camera.height_px, rig.camera.width_px)
         self._gain = 2.0 ** (rig.exposure_ev / GAMMA)
         self._blur_px = rig.blur_px
         sd = noise_of(weather) if rig.noise_sd is None else rig.noise_sd
-        self._layers = _bank(*self._size, sd) if sd > 0.0 else None
+        self._core: Core | None = None
+        if sd > 0.0:
+            self._core = Core(rig.camera, ground_top(rig.camera))
+            self._core.set_noise(
+                _bank(rig.camera.height_px, rig.camera.width_px, sd), int(stream(seed, "sensor noise").integers(2**63))
+            )
 
     @timed("render.sensor")
-    def expose(self, frame: Image) -> None:
-        """Apply blur, exposure and the next frame's noise, in place."""
+    def expose(self, frame: Image, time_s: float) -> None:
+        """Apply blur, exposure and the noise of this time, in place."""
         if self._blur_px > 0.0:
             side = 2 * ceil(3.0 * self._blur_px) + 1
             cv2.GaussianBlur(frame, (side, side), self._blur_px, frame)
         if self._gain != 1.0:
             cv2.convertScaleAbs(frame, frame, self._gain)
-        if self._layers is not None:
-            self._add_noise(frame, *self._layers)
-
-    def skip(self) -> None:
-        """Skip the next frame's noise."""
-        if self._layers is not None:
-            self._corners()
-
-    def _corners(self) -> NDArray[np.int64]:
-        """(STRIPS, 2) row and column of the bank for each strip of the next frame."""
-        return self._rng.integers(0, MARGIN_PX, (STRIPS, 2))
-
-    def _add_noise(self, frame: Image, brighter: Image, darker: Image) -> None:
-        height, width = self._size
-        flat = frame.reshape(height, 3 * width)
-        strip = -(-height // STRIPS)
-        for top, (y, x) in zip(range(0, height, strip), self._corners(), strict=True):
-            part = flat[top : top + strip]
-            corner = slice(y, y + len(part)), slice(3 * x, 3 * (x + width))
-            cv2.add(part, brighter[corner], part)
-            cv2.subtract(part, darker[corner], part)
+        if self._core is not None:
+            self._core.draw_noise(frame, time_s)
 
 
 def noise_of(weather: Weather) -> float:
@@ -76,10 +62,10 @@ def noise_of(weather: Weather) -> float:
 
 
 @lru_cache(maxsize=4)
-def _bank(height: int, width: int, sd: float) -> tuple[Image, Image]:
-    """Noise to add and noise to subtract, three channels side by side; cached, since it costs 20 ms."""
+def _bank(height: int, width: int, sd: float) -> NDArray[np.int8]:
+    """(rows, columns, 3) noise, larger than a strip; cached, since it costs 20 ms."""
     shape = (-(-height // STRIPS) + MARGIN_PX, width + MARGIN_PX, 3)
     white = stream(0, "noise bank").standard_normal(shape, dtype=np.float32)
-    blurred = cv2.GaussianBlur(white, (5, 5), CORRELATION_PX).reshape(shape[0], -1)
+    blurred = cv2.GaussianBlur(white, (5, 5), CORRELATION_PX)
     levels = np.rint(blurred * np.float32(sd / blurred.std()))
-    return np.clip(levels, 0, 255).astype(np.uint8), np.clip(-levels, 0, 255).astype(np.uint8)
+    return np.asarray(np.clip(levels, -128, 127), np.int8)

@@ -7,7 +7,7 @@ import numpy as np
 from vpf_sim.envs.camera import weather
 from vpf_sim.envs.camera.glass import Drop, Glass
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.scenery.scene import Snapshot
+from vpf_sim.envs.camera.snapshot import Snapshot
 from vpf_sim.envs.camera.view import View
 from vpf_sim.types import Camera, Floats, Image
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from vpf_sim.envs.camera.glass import Glass
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.scenery.scene import Snapshot
+from vpf_sim.envs.camera.snapshot import Snapshot
 from vpf_sim.envs.camera.view import View
 from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.errors import InputError

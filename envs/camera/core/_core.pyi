@@ -1,9 +1,14 @@
-"""The functions of module.c."""
+"""The functions of module.c; core.h says what they do, bind_content.c and bind_frame.c what their arrays hold."""
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.types import Floats, Image
+
+Array = NDArray[Any]
+Handle = object
 
 SOURCES: str  # SHA-256 over the C files
 
@@ -43,3 +48,43 @@ def streaks_draw(streaks: Rainfall, velocity_mps: Vector, yaw_rad: float, time_u
 def streaks_list(
     streaks: Rainfall, velocity_mps: Vector, yaw_rad: float, time_us: int, frame: Image, specks: Floats
 ) -> int: ...
+def new(
+    width: int,
+    height: int,
+    ground_top: int,
+    fx: float,
+    fy: float,
+    cx: float,
+    cy: float,
+    height_m: float,
+    forward_m: float,
+    pitch_rad: float,
+    /,
+) -> Handle: ...
+def set_ground(core: Handle, outside: int, shade: int, /, *arrays: Array) -> None: ...
+def add_level(core: Handle, /, *arrays: Array) -> None: ...
+def add_panorama(
+    core: Handle,
+    top: int,
+    bottom: int,
+    coarse: int,
+    rows: int,
+    columns: int,
+    width: int,
+    columns_per_rad: float,
+    /,
+    *arrays: Array,
+) -> None: ...
+def set_light(core: Handle, numbers: Array, transmission: Array, /) -> None: ...
+def set_roadside(core: Handle, corners: int, /, *arrays: Array) -> None: ...
+def add_mesh(core: Handle, corners: int, length: float, width: float, height: float, /, *arrays: Array) -> int: ...
+def add_tree(core: Handle, range_m: float, sizes: Array, px: Array, haze: Array, /) -> None: ...
+def plant(core: Handle, trees: Array, /) -> None: ...
+def set_noise(core: Handle, rows: int, columns: int, seed: int, levels: Array, /) -> None: ...
+def reserve(core: Handle, objects: int, /) -> None: ...
+def begin(core: Handle, x_m: float, y_m: float, yaw_rad: float, time_us: int, objects: Array, /) -> None: ...
+def draw_backdrop(core: Handle, frame: Array, /) -> None: ...
+def draw_scene(core: Handle, frame: Array, /) -> None: ...
+def draw_noise(core: Handle, time_us: int, frame: Array, /) -> None: ...
+def read_raster(core: Handle, level: int, texels: Array, /) -> None: ...
+def truth(core: Handle, instance: Array, planes: Array, /) -> None: ...

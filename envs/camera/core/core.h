@@ -47,10 +47,10 @@ typedef struct {
     int64_t time_us;
 } vc_pose;
 
-/* An object of a mesh, as vc_add_mesh numbers them, at a place. */
+/* An object of a mesh, as vc_add_mesh numbers them, at a place; mesh -1 is not drawn. */
 typedef struct {
     double x_m, y_m, heading_rad;
-    int mesh;
+    int64_t mesh;
 } vc_object;
 
 /* ---- content ---- */
@@ -95,9 +95,8 @@ typedef struct {
     const uint8_t *weight;         /* (weights,) opacity of the faded rows from the first on, of 255 */
     double grain_from_world[3][9]; /* from the world to texels of the noise: fine, coarse, blotches */
     int grain_fineness[3];         /* samples along a texel, powers of 2 */
-    double grain_strength;         /* 0 for none */
     int gains;                     /* 1, or the raster's rows */
-    const float *gain;             /* (gains,) gain of the grain, by row */
+    const float *gain;             /* (gains, 2) gains of grain and blotches, by row; 0 for none */
 } vc_level;
 
 /* What all levels share. */
@@ -114,6 +113,10 @@ typedef struct {
 
 vc_status vc_set_ground(vc_core *core, const vc_ground *ground, const vc_polygons *paint, const vc_polygons *shadows);
 vc_status vc_add_level(vc_core *core, const vc_level *level); /* the farthest first, after vc_set_ground */
+
+/* Copies the texels of a level that the last frame used: (rows, columns) palette values, with shadow in the high byte. */
+int vc_raster_texels(const vc_core *core, int level); /* rows x columns, 0 without such a level */
+vc_status vc_read_raster(const vc_core *core, int level, uint16_t *texels);
 
 /* A panorama at infinity: columns by azimuth, rows by elevation. Texels in units of 1 / VC_TEXEL. */
 enum { VC_TEXEL = 32 };

@@ -2,14 +2,12 @@
 #include <string.h>
 
 #include "ground.h"
-#include "vc_math.h"
 
-#define SHORTEST_M 10.0 /* length of a texel at which the grain begins to fade, and has faded */
-#define LONGEST_M 30.0
 #define FIXED 4194304.0 /* 2^22: 10 bits of a 32-bit number are left for the texel, so that it wraps as the tile does */
 enum { SHIFT = 22, SIZES = 3 };
 
 static const int EVERY[SIZES] = {2, 4, 8}; /* columns of the raster by sample of the noise */
+static const float WEIGHTS[SIZES] = {0.8f, 0.4f, 1.0f};
 
 static uint32_t fixed(double texels) {
     double whole = vc_limit(texels, -1e6, 1e6) * FIXED;
@@ -43,32 +41,29 @@ static void sample(const uint8_t *tile, const double *matrix, int row, int colum
     }
     float share = 1.0f / (float)fineness;
     for (int i = 0; i < count; i++) noise[i] = (float)sums[i] * share - 128.0f;
+    noise[-1] = noise[0];
     noise[count] = noise[count - 1];
 }
 
-/* Length of the middle texel of a row. */
-static double length_m(const double *to_world, double column, int row) {
-    double places[2][2];
-    for (int i = 0; i < 2; i++) {
-        double y = row - 1 + 2 * i, w = to_world[6] * column + to_world[7] * y + to_world[8];
-        places[i][0] = (to_world[0] * column + to_world[1] * y + to_world[2]) / w;
-        places[i][1] = (to_world[3] * column + to_world[4] * y + to_world[5]) / w;
+/* Adds noise of every `every`-th column to all columns, linear between them. */
+static void stretch(const float *noise, int columns, int every, float weight, float *out) {
+    for (int k = 0; k < every; k++) {
+        float place = ((float)k + 0.5f) / (float)every - 0.5f;
+        const float *beside = place < 0.0f ? noise - 1 : noise + 1;
+        float far = weight * (place < 0.0f ? -place : place), near = weight - far;
+        for (int i = 0; i < columns / every; i++) out[every * i + k] += near * noise[i] + far * beside[i];
     }
-    return 0.5 * vc_hypot(places[1][0] - places[0][0], places[1][1] - places[0][1]);
 }
 
 /* Adds fine and coarse noise, and blotches, to a row. */
-static void add(vc_ground_part *ground, int columns, float gain, float shown, uint8_t *values) {
-    const float *fine = ground->scratch.grain[0], *coarse = ground->scratch.grain[1], *blotch = ground->scratch.grain[2];
+static void add(vc_ground_part *ground, int columns, const float *gain, uint8_t *values) {
     float *steps = ground->scratch.strength[0], *shift = ground->scratch.strength[1];
-    for (int i = 0; i < columns / 2; i++) {
-        steps[2 * i] = 0.8f * fine[i];
-        steps[2 * i + 1] = 0.4f * (fine[i] + fine[i + 1]);
-    }
-    for (int i = 0; i < columns; i++) steps[i] += 0.4f * coarse[i >> 2];
-    for (int i = 0; i < columns; i++) shift[i] = blotch[i >> 3] * shown;
+    memset(steps, 0, sizeof *steps * columns);
+    memset(shift, 0, sizeof *shift * columns);
+    for (int i = 0; i < SIZES; i++)
+        stretch(ground->scratch.grain[i] + 1, columns, EVERY[i], WEIGHTS[i] * gain[i / 2], i < 2 ? steps : shift);
     for (int i = 0; i < columns; i++) {
-        float value = values[i] + steps[i] * gain * ground->grain_gain[values[i]] + shift[i] * ground->blotch_gain[values[i]];
+        float value = values[i] + steps[i] * ground->grain_gain[values[i]] + shift[i] * ground->blotch_gain[values[i]];
         value += 0.5f;
         values[i] = value <= 0.0f ? 0 : value >= 255.0f ? 255 : (uint8_t)value;
     }
@@ -80,15 +75,13 @@ void vc_add_grain(vc_ground_part *ground, const vc_level *spec, const double *to
     double matrices[SIZES][9];
     for (int i = 0; i < SIZES; i++) vc_multiply(spec->grain_from_world[i], to_world, matrices[i]);
     for (int row = 0; row < rows; row++) {
-        double length = length_m(to_world, 0.5 * spec->columns, row);
-        double shown = spec->grain_strength * vc_limit((LONGEST_M - length) / (LONGEST_M - SHORTEST_M), 0.0, 1.0);
-        if (shown <= 0.0) continue;
+        const float *gain = spec->gain + 2 * vc_min(row, spec->gains - 1);
+        if (gain[0] == 0.0f && gain[1] == 0.0f) continue;
         for (int i = 0; i < SIZES; i++) {
             const uint8_t *tile = ground->tiles + (i < 2 ? 0 : (size_t)(VC_TILE + 1) * VC_STRIDE);
             sample(tile, matrices[i], row, spec->columns, EVERY[i], spec->grain_fineness[i], scratch->noise,
-                   scratch->grain[i]);
+                   scratch->grain[i] + 1);
         }
-        float gain = spec->gain[vc_min(row, spec->gains - 1)] * (float)shown;
-        add(ground, spec->columns, gain, (float)shown, values + (size_t)row * spec->columns);
+        add(ground, spec->columns, gain, values + (size_t)row * spec->columns);
     }
 }

@@ -158,7 +158,7 @@ static int make_scratch(vc_ground_part *ground) {
     scratch->placed = malloc(polygons * sizeof(Placed));
     scratch->points = malloc(points * 2 * sizeof(double));
     int memory = scratch->canvas && scratch->values && scratch->sums && scratch->crossings && scratch->counts;
-    for (int i = 0; i < 3; i++) memory &= (scratch->grain[i] = malloc((columns + 1) * sizeof(float))) != NULL;
+    for (int i = 0; i < 3; i++) memory &= (scratch->grain[i] = malloc((columns + 2) * sizeof(float))) != NULL;
     for (int i = 0; i < 2; i++) memory &= (scratch->strength[i] = malloc(columns * sizeof(float))) != NULL;
     scratch->noise = malloc((columns + 1) * sizeof(uint32_t));
     return memory && scratch->placed && scratch->points && scratch->noise;
@@ -171,10 +171,23 @@ vc_status vc_add_level(vc_core *core, const vc_level *spec) {
     level->spec = *spec;
     level->spec.band = vc_copied(spec->band, (size_t)spec->bands, sizeof *spec->band, 0);
     level->spec.weight = vc_copied(spec->weight, (size_t)spec->weights, 1, 0);
-    level->spec.gain = vc_copied(spec->gain, (size_t)spec->gains, sizeof *spec->gain, 0);
+    level->spec.gain = vc_copied(spec->gain, (size_t)spec->gains, 2 * sizeof *spec->gain, 0);
     int memory = level->spec.band && level->spec.weight && level->spec.gain;
     memory &= nearby_of(&level->paint, &ground->paint) && nearby_of(&level->shadows, &ground->shadows);
     for (int i = 0; i < VC_SLOTS; i++)
         memory &= (level->slots[i].texels = malloc((size_t)spec->rows * spec->columns * sizeof(uint16_t))) != NULL;
     return memory && make_scratch(ground) ? VC_OK : VC_NO_MEMORY;
+}
+
+int vc_raster_texels(const vc_core *core, int level) {
+    const vc_ground_part *ground = core->ground;
+    if (ground == NULL || level < 0 || level >= ground->levels) return 0;
+    return ground->level[level].spec.rows * ground->level[level].spec.columns;
+}
+
+vc_status vc_read_raster(const vc_core *core, int level, uint16_t *texels) {
+    int count = vc_raster_texels(core, level);
+    if (count == 0 || core->ground->level[level].now == NULL) return VC_INVALID;
+    memcpy(texels, core->ground->level[level].now->texels, (size_t)count * sizeof *texels);
+    return VC_OK;
 }

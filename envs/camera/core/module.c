@@ -2,6 +2,7 @@
 #include <Python.h>
 
 #include "bind.h"
+#include "binding.h"
 #include "vc_math.h"
 
 #define TEXT(token) TEXT_OF(token)
@@ -48,6 +49,23 @@ static PyMethodDef METHODS[] = {
     {"sin", core_sin, METH_VARARGS, "Fill the second array with the sines of the first."},
     {"cos", core_cos, METH_VARARGS, "Fill the second array with the cosines of the first."},
     {"hypot", core_hypot, METH_VARARGS, "Return the length of (x, y)."},
+    {"new", bind_new, METH_VARARGS, "Return a core for a camera."},
+    {"set_ground", bind_set_ground, METH_VARARGS, "Set what the levels of the ground share."},
+    {"add_level", bind_add_level, METH_VARARGS, "Add a level of the ground."},
+    {"add_panorama", bind_add_panorama, METH_VARARGS, "Add a panorama at infinity."},
+    {"set_light", bind_set_light, METH_VARARGS, "Set light and haze."},
+    {"set_roadside", bind_set_roadside, METH_VARARGS, "Set the furniture beside the road."},
+    {"add_mesh", bind_add_mesh, METH_VARARGS, "Add a mesh and return its number."},
+    {"add_tree", bind_add_tree, METH_VARARGS, "Add a kind of tree."},
+    {"plant", bind_plant, METH_VARARGS, "Set the trees."},
+    {"set_noise", bind_set_noise, METH_VARARGS, "Set the noise of the sensor."},
+    {"reserve", bind_reserve, METH_VARARGS, "Make room for frames with a number of objects."},
+    {"begin", bind_begin, METH_VARARGS, "Set the pose of the next frame and find what it shows."},
+    {"draw_backdrop", bind_draw_backdrop, METH_VARARGS, "Draw sky, ground and haze."},
+    {"draw_scene", bind_draw_scene, METH_VARARGS, "Draw what rises from the ground, and its shadows."},
+    {"draw_noise", bind_draw_noise, METH_VARARGS, "Add the noise of the sensor."},
+    {"read_raster", bind_read_raster, METH_VARARGS, "Copy the raster of a level."},
+    {"truth", bind_truth, METH_VARARGS, "Write instance and plane of each pixel."},
     {NULL, NULL, 0, NULL},
 };
 

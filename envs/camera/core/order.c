@@ -60,6 +60,7 @@ static int is_in_front(const Box *a, const Box *b) {
 /* Whether an object or its shadow may show. */
 static int may_show(const vc_core *core, const vc_object *object) {
     const vc_view *view = &core->frame.view;
+    if (object->mesh < 0) return 0;
     const Mesh *mesh = core->scene->mesh + object->mesh;
     double x = object->x_m - view->centre[0], y = object->y_m - view->centre[1];
     double ahead = view->cos_yaw * x + view->sin_yaw * y, aside = view->cos_yaw * y - view->sin_yaw * x;

@@ -181,7 +181,7 @@ vc_status vc_begin(vc_core *core, const vc_pose *pose, const vc_object *objects,
     vc_scene_part *scene = core->scene;
     if (count < 0 || count > (scene == NULL ? 0 : scene->reserved)) return VC_INVALID;
     for (int i = 0; i < count; i++)
-        if (objects[i].mesh < 0 || objects[i].mesh >= scene->meshes) return VC_INVALID;
+        if (objects[i].mesh < -1 || objects[i].mesh >= scene->meshes) return VC_INVALID;
     vc_frame *frame = &core->frame;
     frame->pose = *pose;
     vc_view_at(&core->camera, pose->x_m, pose->y_m, pose->yaw_rad, &frame->view);

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.envs.camera.rig import Rig
-from vpf_sim.envs.camera.scenery.scene import Snapshot
+from vpf_sim.envs.camera.snapshot import Snapshot
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.types import Image
 

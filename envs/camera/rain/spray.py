@@ -10,9 +10,10 @@ from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.painter import Sprite
 from vpf_sim.envs.camera.rain.mirror import erase
-from vpf_sim.envs.camera.scenery.scene import Snapshot, object_size
+from vpf_sim.envs.camera.scenery.objects import object_size
+from vpf_sim.envs.camera.snapshot import Snapshot
 from vpf_sim.envs.camera.texture import noise
-from vpf_sim.envs.camera.truth import STILL, Drawn
+from vpf_sim.envs.camera.truth import Drawn
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Image
@@ -93,7 +94,7 @@ class Spray:
             opacity = strength * min(1.0, 6.0 * age) * (1.0 - age) ** 0.7 * (0.7 + 0.6 * chance[2])
             puff = self._puff(now.view, foot, size, opacity, int(chance[3] * VARIANTS))
             if puff is not None:
-                (farther if puff.depth_m > middle_m else nearer).append(Drawn(puff, -1, STILL))
+                (farther if puff.depth_m > middle_m else nearer).append(Drawn(puff, -1))
         farther.sort(key=_nearness)
         nearer.sort(key=_nearness)
         return farther, nearer

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.core import _core
 from vpf_sim.envs.camera.light import GAMMA, Light
-from vpf_sim.envs.camera.scenery.scene import Snapshot
+from vpf_sim.envs.camera.snapshot import Snapshot
 from vpf_sim.seeding import stream
 from vpf_sim.timing import timed
 from vpf_sim.types import Camera, Floats, Image

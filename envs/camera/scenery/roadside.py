@@ -47,6 +47,7 @@ class Group:
     until_m: Floats  # (F,)
     fading: Floats  # (F,) 1/m, slope of the opacity in the last share of the range
     retro: Bools  # (F,) whether they are retroreflective
+    lit: Bools  # (F,) whether light shades them
 
     def only(self, items: Bools, faces: Bools) -> "Group":
         """The faces `faces` of the items `items`."""
@@ -64,6 +65,7 @@ class Group:
             until_m=self.until_m[kept],
             fading=self.fading[kept],
             retro=self.retro[kept],
+            lit=self.lit[kept],
         )
 
 
@@ -107,7 +109,7 @@ class Roadside:
         self._surely_m = NEAR_M + 2.0 * self._stale_m  # nearer parts are clipped, or they might pass the near plane
         self._widest = tan(atan(self._slope) + STALE_RAD_PER_M * self._stale_m)
         self._aerial_perspective = AerialPerspective(light, haze)
-        self._all = self._near = _group(items, None if lamplight is not None else light, camera)
+        self._all = self._near = group_of(items, None if lamplight is not None else light, camera)
         self._place: tuple[int, int, int] | None = None
         self.cached: VisibleFaces | None = None
 
@@ -207,7 +209,7 @@ def _may_be_seen(group: Group, middle: Floats, yaw: float, slope: float) -> Grou
     return group.only(items, faces)
 
 
-def _group(items: list[Placement], light: Light | None, camera: Camera) -> Group:
+def group_of(items: list[Placement], light: Light | None, camera: Camera) -> Group:
     """All faces in world axes, lit by daylight or by none."""
     poses = np.array([pose for _, pose, _ in items]).reshape(-1, 3)
     meshes = [mesh for mesh, _, _ in items]
@@ -242,6 +244,7 @@ def _group(items: list[Placement], light: Light | None, camera: Camera) -> Group
         offsets_m=np.einsum("fi,fi->f", normals, faces[:, 0]),
         colours=colours,
         retro=joined("retro") > 0.0,
+        lit=joined("lit") > 0.0,
         from_m=joined("from_m") * share,
         until_m=np.minimum(np.minimum(until_m, thinnest), ranges_m),
         fading=1.0 / (FADING * ranges_m),

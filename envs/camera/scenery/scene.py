@@ -14,28 +14,19 @@ from vpf_sim.envs.camera.night.glow import Glow
 from vpf_sim.envs.camera.night.lamps import vehicle_lamps
 from vpf_sim.envs.camera.painter import Drawing, Sprite, footprint, paint
 from vpf_sim.envs.camera.scenery.bands import banded
-from vpf_sim.envs.camera.scenery.object_meshes import HEIGHTS_M, object_mesh
+from vpf_sim.envs.camera.scenery.object_meshes import object_mesh
+from vpf_sim.envs.camera.scenery.objects import kind_of, object_size
 from vpf_sim.envs.camera.scenery.occlusion import far_to_near
 from vpf_sim.envs.camera.scenery.shadows import Shadow
 from vpf_sim.envs.camera.scenery.solid import RANGE_M, Solid
 from vpf_sim.envs.camera.scenery.static_scenery import StaticScenery
-from vpf_sim.envs.camera.truth import STILL, Drawn, Motion
-from vpf_sim.envs.camera.view import View
+from vpf_sim.envs.camera.snapshot import Snapshot
+from vpf_sim.envs.camera.truth import Drawn
 from vpf_sim.seeding import stream
 from vpf_sim.timing import timed
 from vpf_sim.types import Camera, Floats, Image
 
 SHADOW_REACH = 4.0  # longest shadows, in heights
-
-
-@dataclass(frozen=True, slots=True)
-class Snapshot:
-    """View and object poses at one frame."""
-
-    view: View
-    time_s: float
-    objects: list[RoadObject]  # without the camera's vehicle
-    poses: dict[RoadObject, Floats]  # (x, y, heading) by object
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +51,9 @@ class Scene:
         self._order: list[int] = []
 
     @timed("render.visible")
-    def visible(self, now: Snapshot, before: Snapshot) -> list[Drawn]:
+    def visible(self, now: Snapshot) -> list[Drawn]:
         """All visible items, projected, the farthest first."""
+        self._make_shapes(now)
         trees = self._scenery.visible_sprites(now.view)
         scenery, depths = self._scenery.visible(now.view)
         drawn: list[Drawn] = []
@@ -71,19 +63,20 @@ class Scene:
             while tree < len(trees) and trees[tree].depth_m > behind:
                 if scenery is not None and _covers(trees[tree], scenery, depths):
                     first = _add_until(drawn, scenery, depths, first, trees[tree].depth_m)
-                drawn.append(Drawn(trees[tree], -1, STILL))
+                drawn.append(Drawn(trees[tree], -1))
                 tree += 1
-            obj = None if i is None else self._object(now, before, i)
+            obj = None if i is None else self._object(now, i)
             if i is None or obj is not None:
                 first = _add_until(drawn, scenery, depths, first, behind)
             if obj is not None:
                 drawn.append(obj)
             if i is not None and obj is not None and self._light.has_lamps:
-                drawn += [Drawn(lamp, -1, STILL) for lamp in self._lamps(now, i)]
+                drawn += [Drawn(lamp, -1) for lamp in self._lamps(now, i)]
         return drawn
 
     def update(self, now: Snapshot) -> None:
         """Update visibility as `visible` does, without drawing."""
+        self._make_shapes(now)
         self._scenery.update(now.view)
         self._order, _ = self._drawing_order.in_view(now)
         for i in self._order:
@@ -106,26 +99,32 @@ class Scene:
             obj = now.objects[i]
             self._shape(obj).shadow.paint(frame, now.view, now.poses[obj])
 
-    def _object(self, now: Snapshot, before: Snapshot, index: int) -> Drawn | None:
-        """An object's visible faces and its motion; None without visible faces."""
+    def _object(self, now: Snapshot, index: int) -> Drawn | None:
+        """An object's visible faces; None without any."""
         obj = now.objects[index]
         pose = now.poses[obj]
         drawing = self._shape(obj).solid.visible(now.view, pose)
-        return None if drawing is None else Drawn(drawing, index + 1, Motion(before.poses.get(obj, pose), pose))
+        return None if drawing is None else Drawn(drawing, index + 1)
 
     def _lamps(self, now: Snapshot, index: int) -> list[Glow]:
         """The lamps of a vehicle that shine into the camera; parked vehicles have none."""
         obj = now.objects[index]
         if isinstance(obj, Obstacle):
             return []
-        return vehicle_lamps(now.view, now.poses[obj], _kind(obj), object_size(obj), self._light)
+        return vehicle_lamps(now.view, now.poses[obj], kind_of(obj), object_size(obj), self._light)
+
+    def _make_shapes(self, now: Snapshot) -> None:
+        """Make the meshes of all objects in the road's order, which numbers them."""
+        for obj in now.objects:
+            if obj not in self._shapes and not isinstance(obj, Landmark):
+                self._shape(obj)
 
     def _shape(self, obj: RoadObject) -> Shape:
         """The mesh and shadow of an object, created on first use."""
         if obj not in self._shapes:
             rng = stream(self._seed, f"body {len(self._shapes)}")  # part of what a seed means: keep
             size = object_size(obj)
-            mesh = object_mesh(_kind(obj), size, rng)
+            mesh = object_mesh(kind_of(obj), size, rng)
             if self.lamplight is not None:
                 mesh = banded(mesh)
             solid = Solid(mesh, self._light, self._haze, self.lamplight)
@@ -150,7 +149,7 @@ def _add_until(drawn: list[Drawn], scenery: Drawing | None, depths: list[float],
     while last < len(depths) and depths[last] > behind:
         last += 1
     if scenery is not None and last > first:
-        drawn.append(Drawn(scenery.part(first, last), -1, STILL))
+        drawn.append(Drawn(scenery.part(first, last), -1))
     return last
 
 
@@ -237,16 +236,6 @@ def _ahead(now: Snapshot) -> list[int]:
     return result
 
 
-def object_size(obj: RoadObject) -> tuple[float, float, float]:
-    """(length, width, height) m."""
-    height = getattr(obj, "HEIGHT", None)
-    return (float(obj.LENGTH), float(obj.WIDTH), float(HEIGHTS_M[_kind(obj)] if height is None else height))
-
-
 def _footprint(now: Snapshot, index: int) -> Floats:
     obj = now.objects[index]
     return footprint(now.poses[obj], *object_size(obj)[:2])
-
-
-def _kind(obj: RoadObject) -> str:
-    return str(getattr(obj, "kind", "barrier" if isinstance(obj, Obstacle) else "car"))

@@ -28,7 +28,8 @@ class StaticScenery:
         furniture = verge.furniture(stream(seed, "scenery"))
         # the light of lamps in the dark; None by day
         self.lamplight = Lamplight(light, lamp_places(furniture)) if light.has_lamps else None
-        self._trees = TreeStand(camera, _planted(verge, stream(seed, "trees")), light, haze, self.lamplight)
+        self.furniture, self.trees = furniture, planted(verge, stream(seed, "trees"))
+        self._trees = TreeStand(camera, self.trees, light, haze, self.lamplight)
         self._roadside = Roadside(camera, furniture, light, haze, self.lamplight)
 
     def visible(self, view: View) -> tuple[Drawing | None, list[float]]:
@@ -52,7 +53,7 @@ class StaticScenery:
         return [*self._roadside.shadow_polygons(light), *self._trees.shadow_polygons(light)]
 
 
-def _planted(verge: Verge, rng: np.random.Generator) -> Trees:
+def planted(verge: Verge, rng: np.random.Generator) -> Trees:
     """Trees 6 to 32 m outside the edges, denser near them."""
     feet = [np.empty((0, 2))]
     for side in verge.sides:

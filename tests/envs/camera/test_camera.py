@@ -130,7 +130,7 @@ def test_noise_has_its_sd_and_is_new_in_each_frame():
     ego = add_ego(road, [20.0, 7.0])
     quiet = Renderer(road, Rig(Camera(), noise_sd=0.0), CLEAR, 1).render(ego, 0.0).astype(float)
     renderer = Renderer(road, Rig(Camera(), noise_sd=2.0), CLEAR, 1)
-    first, second = (renderer.render(ego, 0.0).astype(float) for _ in range(2))
+    first, second = (renderer.render(ego, time_s).astype(float) for time_s in (0.0, 0.05))
     assert (first - quiet)[:400].std() == pytest.approx(2.0, abs=0.15)
     assert np.corrcoef((first - quiet).ravel(), (second - quiet).ravel())[0, 1] == pytest.approx(0.0, abs=0.01)
 

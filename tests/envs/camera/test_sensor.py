@@ -16,9 +16,9 @@ CAMERA = Camera()
 def exposed(picture: Image, rig: Rig, name: str = "clear", frames: int = 1, seed: int = 1) -> list[Floats]:
     sensor = Sensor(rig, weather.load(name), seed)
     result = []
-    for _ in range(frames):
+    for k in range(frames):
         frame = picture.copy()
-        sensor.expose(frame)
+        sensor.expose(frame, k / 60.0)
         result.append(frame.astype(float))
     return result
 

@@ -11,7 +11,7 @@ from vpf_sim.envs.camera.painter import Drawing
 from vpf_sim.envs.camera.painter import drawing as drawing_of
 from vpf_sim.envs.camera.rain.mirror import mirrored_faces, mirrored_points, reflectance
 from vpf_sim.envs.camera.rain.wet_road import EVERY, WetRoad
-from vpf_sim.envs.camera.truth import STILL, Drawn
+from vpf_sim.envs.camera.truth import Drawn
 from vpf_sim.envs.camera.view import View
 from vpf_sim.geometry import horizon_px
 from vpf_sim.types import Camera, Image
@@ -35,7 +35,7 @@ def wall(camera: Camera, ahead_m: float) -> tuple[View, Drawn]:
     planes = (normal / (normal @ points[0]))[None]
     drawing = drawing_of(view, corners[None], [(10.0, 10.0, 10.0, 0.0)], lambda: planes, np.array([0]))
     assert isinstance(drawing, Drawing)
-    return view, Drawn(drawing, 1, STILL)
+    return view, Drawn(drawing, 1)
 
 
 def plain(camera: Camera) -> Image:
@@ -76,7 +76,7 @@ def test_upward_faces_are_not_mirrored() -> None:
     planes = (normal / (normal @ view.camera_axes(roof[0])))[None]
     drawing = drawing_of(view, roof[None], [(9.0, 9.0, 9.0, 0.0)], lambda: planes, np.array([0]))
     assert isinstance(drawing, Drawing)
-    assert mirrored_faces(view, [Drawn(drawing, 1, STILL)]).corners == []
+    assert mirrored_faces(view, [Drawn(drawing, 1)]).corners == []
     assert len(mirrored_faces(view, [upright]).corners) == 1
 
 

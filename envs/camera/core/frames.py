@@ -1,0 +1,185 @@
+"""The core from Python: the content of one road, camera and weather, and its frames.
+
+Content is rounded to what a picture can show, far above the last bits in which numpy differs between processors.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vpf_sim.envs.camera.core import _core
+from vpf_sim.types import Camera, Floats, Image
+
+POSITION_M = 1.0 / 1024.0  # resolution of points
+SHARE = 1.0 / 65536.0  # resolution of directions, factors and shares
+LEVEL = 1.0 / 256.0  # resolution of colours, grey levels
+
+Array = NDArray[Any]
+Polygons = tuple[NDArray[np.int64], Floats, NDArray[np.int64], Floats]  # starts (n + 1,), points, values, ranges
+
+
+def rounded(values: Array | Sequence[float], step: float) -> Floats:
+    """The values to the next multiple of a step."""
+    return np.asarray(np.round(np.asarray(values, np.float64) / step) * step)
+
+
+class Core:
+    """A core: first its content, each part once, then any number of frames."""
+
+    def __init__(self, camera: Camera, ground_top: int) -> None:
+        self.camera = camera
+        self._handle = _core.new(
+            camera.width_px,
+            camera.height_px,
+            ground_top,
+            camera.fx_px,
+            camera.fy_px,
+            camera.cx_px,
+            camera.cy_px,
+            camera.height_m,
+            camera.forward_m,
+            camera.pitch_rad,
+        )
+        self._reserved = 0
+
+    def set_ground(
+        self,
+        palette: Image,
+        shade: float,
+        outside: int,
+        tiles: Image,
+        gains: tuple[NDArray[np.float32], NDArray[np.float32]],
+        haze: Image,
+        paint: Polygons,
+        shadows: Polygons,
+    ) -> None:
+        """Set what all levels of the ground share; see `vc_ground` in core.h."""
+        arrays: list[Array] = [_bytes(palette), _bytes(tiles)]
+        arrays += [np.ascontiguousarray(gain, np.float32) for gain in gains]
+        arrays += [_bytes(haze), *_polygons(paint), *_polygons(shadows)]
+        _core.set_ground(self._handle, outside, round(256.0 * shade), *arrays)
+
+    def add_level(
+        self,
+        whole: Sequence[int],
+        real: Sequence[float],
+        bands: NDArray[np.int32],
+        weights: Image,
+        gains: NDArray[np.float32],
+    ) -> None:
+        """Add a level of the ground, the farthest first; see `vc_level` in core.h."""
+        numbers = np.array(whole, np.int32), np.array(real, np.float64)
+        gains = np.ascontiguousarray(rounded(gains, SHARE), np.float32)
+        _core.add_level(self._handle, *numbers, np.ascontiguousarray(bands, np.int32), _bytes(weights), gains)
+
+    def add_panorama(
+        self, rows: slice, coarse: int, px: Image, columns_per_rad: float, across: Floats, down: Floats
+    ) -> None:
+        """Add a panorama that fills image rows; `across` and `down` are (h, w) places in it, see core.h."""
+        texels = [np.ascontiguousarray(np.rint(32.0 * of), np.int32) for of in (across, down)]
+        tall, wide = px.shape[:2]
+        place = rows.start, rows.stop, coarse, tall, wide, self.camera.width_px
+        _core.add_panorama(self._handle, *place, float(columns_per_rad), _bytes(px), *texels)
+
+    def set_light(
+        self,
+        horizon: Floats,
+        sun: Floats,
+        factors: tuple[Floats, Floats],
+        shadows: tuple[float, float],
+        fall: Floats,
+        transmission: Floats,
+    ) -> None:
+        """Set light and haze of what rises from the ground; see `vc_light` in core.h."""
+        numbers = [rounded(horizon, LEVEL), rounded(sun, SHARE), *(rounded(factor, SHARE) for factor in factors)]
+        light = np.concatenate([*numbers, rounded(shadows, SHARE), rounded(fall, SHARE)])
+        _core.set_light(self._handle, light, rounded(transmission, SHARE))
+
+    def set_roadside(self, faces: Sequence[Array], items: Sequence[Array], ranges_m: Sequence[Floats]) -> None:
+        """Set the furniture beside the road: its faces, items and drawing ranges; see `vc_roadside` in core.h."""
+        first, middles, radii = items
+        arrays: list[Array] = [np.ascontiguousarray(first, np.int32)]
+        arrays += [rounded(middles, POSITION_M), rounded(radii, POSITION_M), *(rounded(of, SHARE) for of in ranges_m)]
+        _core.set_roadside(self._handle, faces[0].shape[1], *_faces(*faces), *arrays)
+
+    def add_mesh(
+        self,
+        size_m: tuple[float, float, float],
+        faces: Sequence[Array],
+        parts: NDArray[np.int64],
+        thickness_m: Floats,
+        centres_m: Floats,
+    ) -> int:
+        """Add a mesh in its object's axes and return its number; see `vc_mesh` in core.h."""
+        arrays = np.ascontiguousarray(parts, np.int32), rounded(thickness_m, POSITION_M), rounded(centres_m, POSITION_M)
+        return _core.add_mesh(self._handle, faces[0].shape[1], *size_m, *_faces(*faces), *arrays)
+
+    def add_tree(self, range_m: float, levels: Sequence[Image], haze: Floats) -> None:
+        """Add a kind of tree: pictures (h, w, 4), the finest first; see `vc_tree` in core.h."""
+        sizes = np.array([level.shape[:2] for level in levels], np.int32)
+        px = _bytes(np.concatenate([level.ravel() for level in levels]))
+        _core.add_tree(self._handle, range_m, sizes, px, rounded(haze, SHARE))
+
+    def plant(self, trees: Floats) -> None:
+        """Set the trees, (n, 7); see `vc_plant` in core.h."""
+        _core.plant(self._handle, rounded(trees, POSITION_M))
+
+    def set_noise(self, levels: NDArray[np.int8], seed: int) -> None:
+        """Set the bank of noise, (rows, columns, 3) grey levels."""
+        rows, columns = levels.shape[:2]
+        _core.set_noise(self._handle, rows, columns, seed, np.ascontiguousarray(levels))
+
+    def begin(self, x_m: float, y_m: float, yaw_rad: float, time_s: float, objects: Floats) -> None:
+        """Set the pose of the next frame and find what it shows.
+
+        `objects` is (n, 4): x, y, heading, and the number of the mesh as the bits of an int64."""
+        if len(objects) > self._reserved:
+            self._reserved = 2 * len(objects)
+            _core.reserve(self._handle, self._reserved)
+        _core.begin(self._handle, x_m, y_m, yaw_rad, round(1e6 * time_s), objects)
+
+    def draw_backdrop(self, frame: Image) -> None:
+        """Draw sky, ground and haze."""
+        _core.draw_backdrop(self._handle, frame)
+
+    def draw_scene(self, frame: Image) -> None:
+        """Draw the shadows of objects, and all that rises from the ground."""
+        _core.draw_scene(self._handle, frame)
+
+    def draw_noise(self, frame: Image, time_s: float) -> None:
+        """Add the sensor's noise of a time."""
+        _core.draw_noise(self._handle, round(1e6 * time_s), frame)
+
+    def truth(self) -> tuple[NDArray[np.int32], Floats]:
+        """(H, W) what each pixel shows: 0 ground or sky, -1 scenery, i + 1 object i; and (H, W, 3) its plane."""
+        size = (self.camera.height_px, self.camera.width_px)
+        instance, planes = np.empty(size, np.int32), np.empty((*size, 3))
+        _core.truth(self._handle, instance, planes)
+        return instance, planes
+
+    def raster(self, level: int, rows: int, columns: int) -> NDArray[np.uint16]:
+        """(rows, columns) texels of a level in the last frame: palette values, and shadow in the high byte."""
+        texels = np.empty((rows, columns), np.uint16)
+        _core.read_raster(self._handle, level, texels)
+        return texels
+
+
+def _bytes(array: Array) -> Image:
+    return np.ascontiguousarray(array, np.uint8)
+
+
+def _polygons(polygons: Polygons) -> list[Array]:
+    starts, points, values, ranges_m = polygons
+    ranges_m = np.minimum(ranges_m, 1e6)
+    return [
+        np.ascontiguousarray(starts, np.int32),
+        rounded(points, POSITION_M),
+        _bytes(values),
+        rounded(ranges_m, SHARE),
+    ]
+
+
+def _faces(points: Array, normals: Array, colours: Array, flags: Array) -> list[Array]:
+    return [rounded(points, POSITION_M), rounded(normals, SHARE), rounded(colours, LEVEL), _bytes(flags)]

@@ -1,0 +1,104 @@
+"""The road, its surroundings and its traffic on a dry day, drawn by the core."""
+
+import numpy as np
+from highway_env.road.road import Road
+from highway_env.vehicle.objects import Landmark, RoadObject
+
+from vpf_sim.envs.camera.atmosphere import Atmosphere
+from vpf_sim.envs.camera.core.frames import Core
+from vpf_sim.envs.camera.ground.content import set_ground
+from vpf_sim.envs.camera.ground.even_gains import even_gains
+from vpf_sim.envs.camera.haze import Haze
+from vpf_sim.envs.camera.horizon import ground_top
+from vpf_sim.envs.camera.layout import lane_shapes
+from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.scenery.content import add_mesh, set_light, set_roadside
+from vpf_sim.envs.camera.scenery.object_meshes import object_mesh
+from vpf_sim.envs.camera.scenery.objects import kind_of, object_size
+from vpf_sim.envs.camera.scenery.roadside import group_of
+from vpf_sim.envs.camera.scenery.shadows import NO_SUN
+from vpf_sim.envs.camera.scenery.static_scenery import StaticScenery
+from vpf_sim.envs.camera.scenery.tree_content import plant
+from vpf_sim.envs.camera.sky.content import add_sky
+from vpf_sim.envs.camera.snapshot import Snapshot
+from vpf_sim.envs.camera.truth import Shown
+from vpf_sim.scenarios.parts import RoadAppearance
+from vpf_sim.seeding import stream
+from vpf_sim.timing import timed
+from vpf_sim.types import Bools, Camera, Image
+
+NOT_DRAWN = -1  # the mesh of landmarks
+
+
+class World:
+    """Everything outside the windscreen. A frame depends on the pose, the objects and the time alone."""
+
+    def __init__(self, road: Road, camera: Camera, light: Light, atmosphere: Atmosphere, seed: int) -> None:
+        self._seed = seed
+        self._meshes: dict[RoadObject, int] = {}
+        self._bodies = 0
+        self._core = core = Core(camera, ground_top(camera))
+        shapes, haze = lane_shapes(road), Haze(camera, atmosphere, light)
+        scenery = StaticScenery(camera, shapes, light, haze, seed)
+        appearance = getattr(road.network, "appearance", None)
+        look = RoadAppearance() if appearance is None else appearance
+        shaded = appearance is not None and appearance.shadows and light.shadow < NO_SUN
+        shadows = scenery.shadow_polygons(light) if shaded else []
+        add_sky(core, light, atmosphere, seed)
+        set_ground(core, shapes, light, atmosphere.wetness, seed, look, shadows, haze, even_gains(camera))
+        set_light(core, light, haze)
+        set_roadside(core, group_of(scenery.furniture, None, camera))
+        plant(core, scenery.trees, light, haze)
+
+    @property
+    def is_due(self) -> bool:
+        """Whether later frames reuse parts of the next one."""
+        return False
+
+    def draw(self, frame: Image, now: Snapshot, before: Snapshot) -> None:  # noqa: ARG002
+        """Draw a frame."""
+        self._begin(now)
+        self._draw_backdrop(frame)
+        self._draw_scene(frame)
+
+    def skip(self, now: Snapshot) -> None:
+        """Skip a frame: nothing is kept."""
+
+    def shown(self) -> Shown:
+        """What each pixel of the last frame shows."""
+        return Shown(*self._core.truth())
+
+    def hidden(self) -> Bools:
+        """(H, W) where reflections and spray hide the scene: nowhere."""
+        camera = self._core.camera
+        return np.zeros((camera.height_px, camera.width_px), bool)
+
+    @timed("render.visible")
+    def _begin(self, now: Snapshot) -> None:
+        objects = np.empty((len(now.objects), 4))
+        objects[:, :3] = now.places
+        objects.view(np.int64)[:, 3] = self._numbers(now.objects)
+        self._core.begin(*now.pose, now.time_s, objects)
+
+    @timed("render.backdrop")
+    def _draw_backdrop(self, frame: Image) -> None:
+        self._core.draw_backdrop(frame)
+
+    @timed("render.scene")
+    def _draw_scene(self, frame: Image) -> None:
+        self._core.draw_scene(frame)
+
+    def _numbers(self, objects: list[RoadObject]) -> list[int]:
+        """The meshes of objects, made on first use."""
+        known = self._meshes
+        return [known[obj] if obj in known else self._add(obj) for obj in objects]
+
+    def _add(self, obj: RoadObject) -> int:
+        number = NOT_DRAWN
+        if not isinstance(obj, Landmark):
+            rng = stream(self._seed, f"body {self._bodies}")  # part of what a seed means: keep
+            self._bodies += 1
+            size = object_size(obj)
+            number = add_mesh(self._core, object_mesh(kind_of(obj), size, rng), size)
+        self._meshes[obj] = number
+        return number
