@@ -9,7 +9,7 @@ def test_a_profile_has_the_promised_keys_and_all_stages() -> None:
     assert measured["stages_ms"].keys() == measured["once_ms"].keys()
     assert {
         "render",
-        "render.ground",
+        "render.backdrop",
         "physics",
         "flow",
         "road",
