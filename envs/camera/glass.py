@@ -1,6 +1,8 @@
 """The windscreen: film, droplets and wiper, drawn by the core (`core/glass/glass.h`)."""
 
+from collections import deque
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +17,7 @@ from vpf_sim.types import Bools, Camera, Image
 
 FIRST_SPEED_MPS = 5.5  # assumed at the first frame, which has none before it
 TICK_S = 0.05  # period of the water simulation
+MEMORY_US = 20_000_000  # drops dry or run off within 12 s
 DROP = np.dtype(
     [
         *((name, "f8") for name in ("x_px", "y_px", "size_mm", "run_mps")),
@@ -52,7 +55,21 @@ class Glass:
         offset_s = float(stream(seed, "wiper").uniform(0.0, period_s)) if period_s > 0.0 else 0.0
         sky = tuple(np.rint(light.horizon).astype(int).tolist())
         own_seed = int(stream(seed, "droplets").integers(0, 2**63))
-        self._glass = _core.glass_new(lens, rain_mmph, period_s, offset_s, sky, own_seed)
+        self._made_of = (lens, rain_mmph, period_s, offset_s, sky, own_seed)
+        self._glass = _core.glass_new(*self._made_of)
+        self._moments: deque[tuple[int, float]] = deque()  # times and speeds that the water depends on
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the water itself, which the last moments bring about again."""
+        return {name: value for name, value in self.__dict__.items() if name != "_glass"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Let the water run through the last moments."""
+        self.__dict__.update(state)
+        self._moments = deque(self._moments)
+        self._glass = _core.glass_new(*self._made_of)
+        for time_us, speed_mps in self._moments:
+            _core.glass_advance(self._glass, time_us, speed_mps)
 
     @timed("render.glass")
     def draw(self, frame: Image, now: Snapshot, before: Snapshot) -> None:
@@ -68,7 +85,11 @@ class Glass:
         gap_s = now.time_s - before.time_s
         way_m = np.subtract(now.view.centre, before.view.centre)
         speed_mps = float(np.sqrt((way_m**2).sum())) / gap_s if gap_s > 0.0 else FIRST_SPEED_MPS
-        _core.glass_advance(self._glass, _microseconds(now.time_s), speed_mps)
+        moment = (_microseconds(now.time_s), speed_mps)
+        self._moments.append(moment)
+        while self._moments[0][0] < moment[0] - MEMORY_US:
+            self._moments.popleft()
+        _core.glass_advance(self._glass, *moment)
 
     def hidden(self) -> Bools:
         """(H, W) where water or the blade hides more than half of the scene."""

@@ -43,9 +43,10 @@ def assert_same_pictures(env: Any, twin: Any, steps: int) -> None:
 
 
 @pytest.mark.parametrize("duplicate", [copy.deepcopy, stored])
+@pytest.mark.parametrize("weather", ["clear", "rain"])
 @pytest.mark.parametrize("scenario", ["town04", "traffic", "intersection-v1"])
-def test_copy_during_an_episode_renders_the_same_frames(scenario: str, duplicate: Any) -> None:
-    env = gym.make("vpf_sim/FourLane-v0", scenario=scenario, rig=SMALL, rate_hz=20.0)
+def test_copy_during_an_episode_renders_the_same_frames(scenario: str, weather: str, duplicate: Any) -> None:
+    env = gym.make("vpf_sim/FourLane-v0", scenario=scenario, weather=weather, rig=SMALL, rate_hz=20.0)
     env.reset(seed=5)
     for _ in range(3):
         env.step(np.zeros(2))

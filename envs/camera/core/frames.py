@@ -26,23 +26,51 @@ def rounded(values: Array | Sequence[float], step: float) -> Floats:
 
 
 class Core:
-    """A core: first its content, each part once, then any number of frames."""
+    """A core: first its content, each part once, then any number of frames.
+
+    A copy is built from the same content, which the calls that set it keep, and stands at the same frame.
+    """
 
     def __init__(self, camera: Camera, ground_top: int) -> None:
         self.camera = camera
-        self._handle = _core.new(
-            camera.width_px,
-            camera.height_px,
-            ground_top,
-            camera.fx_px,
-            camera.fy_px,
-            camera.cx_px,
-            camera.cy_px,
-            camera.height_m,
-            camera.forward_m,
-            camera.pitch_rad,
-        )
+        self._top = ground_top
+        self._handle = self._new()
+        self._content: list[tuple[str, tuple[Any, ...]]] = []  # calls
         self._reserved = 0
+        self._begun: tuple[Any, ...] = ()
+
+    def _new(self) -> object:
+        camera = self.camera
+        size, focal = (camera.width_px, camera.height_px), (camera.fx_px, camera.fy_px)
+        place = (camera.height_m, camera.forward_m, camera.pitch_rad)
+        return _core.new(*size, self._top, *focal, camera.cx_px, camera.cy_px, *place)
+
+    def _set(self, name: str, *arguments: Any) -> Any:
+        """Call a function that sets content, and keep the call for copies."""
+        result = getattr(_core, name)(self._handle, *arguments)
+        self._content.append((name, arguments))
+        return result
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the core itself."""
+        return {name: value for name, value in self.__dict__.items() if name != "_handle"}
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> "Core":
+        copy = Core.__new__(Core)
+        memo[id(self)] = copy
+        copy.__setstate__({**self.__getstate__(), "_content": list(self._content)})
+        return copy
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Build the core again."""
+        self.__dict__.update(state)
+        self._handle = self._new()
+        for name, arguments in self._content:
+            getattr(_core, name)(self._handle, *arguments)
+        if self._reserved:
+            _core.reserve(self._handle, self._reserved)
+        if self._begun:
+            _core.begin(self._handle, *self._begun)
 
     def set_ground(
         self,
@@ -59,7 +87,7 @@ class Core:
         arrays: list[Array] = [_bytes(palette), _bytes(tiles)]
         arrays += [np.ascontiguousarray(gain, np.float32) for gain in gains]
         arrays += [_bytes(haze), *_polygons(paint), *_polygons(shadows)]
-        _core.set_ground(self._handle, outside, round(256.0 * shade), *arrays)
+        self._set("set_ground", outside, round(256.0 * shade), *arrays)
 
     def add_level(
         self,
@@ -72,7 +100,7 @@ class Core:
         """Add a level of the ground, the farthest first; see `vc_level` in core.h."""
         numbers = np.array(whole, np.int32), np.array(real, np.float64)
         gains = np.ascontiguousarray(rounded(gains, SHARE), np.float32)
-        _core.add_level(self._handle, *numbers, np.ascontiguousarray(bands, np.int32), _bytes(weights), gains)
+        self._set("add_level", *numbers, np.ascontiguousarray(bands, np.int32), _bytes(weights), gains)
 
     def add_panorama(
         self, rows: slice, coarse: int, px: Image, columns_per_rad: float, across: Floats, down: Floats
@@ -81,7 +109,7 @@ class Core:
         texels = [np.ascontiguousarray(np.rint(32.0 * of), np.int32) for of in (across, down)]
         tall, wide = px.shape[:2]
         place = rows.start, rows.stop, coarse, tall, wide, self.camera.width_px
-        _core.add_panorama(self._handle, *place, float(columns_per_rad), _bytes(px), *texels)
+        self._set("add_panorama", *place, float(columns_per_rad), _bytes(px), *texels)
 
     def set_light(
         self,
@@ -95,14 +123,14 @@ class Core:
         """Set light and haze of what rises from the ground; see `vc_light` in core.h."""
         numbers = [rounded(horizon, LEVEL), rounded(sun, SHARE), *(rounded(factor, SHARE) for factor in factors)]
         light = np.concatenate([*numbers, rounded(shadows, SHARE), rounded(fall, SHARE)])
-        _core.set_light(self._handle, light, rounded(transmission, SHARE))
+        self._set("set_light", light, rounded(transmission, SHARE))
 
     def set_roadside(self, faces: Sequence[Array], items: Sequence[Array], ranges_m: Sequence[Floats]) -> None:
         """Set the furniture beside the road: its faces, items and drawing ranges; see `vc_roadside` in core.h."""
         first, middles, radii = items
         arrays: list[Array] = [np.ascontiguousarray(first, np.int32)]
         arrays += [rounded(middles, POSITION_M), rounded(radii, POSITION_M), *(rounded(of, SHARE) for of in ranges_m)]
-        _core.set_roadside(self._handle, faces[0].shape[1], *_faces(*faces), *arrays)
+        self._set("set_roadside", faces[0].shape[1], *_faces(*faces), *arrays)
 
     def add_mesh(
         self,
@@ -114,22 +142,22 @@ class Core:
     ) -> int:
         """Add a mesh in its object's axes and return its number; see `vc_mesh` in core.h."""
         arrays = np.ascontiguousarray(parts, np.int32), rounded(thickness_m, POSITION_M), rounded(centres_m, POSITION_M)
-        return _core.add_mesh(self._handle, faces[0].shape[1], *size_m, *_faces(*faces), *arrays)
+        return int(self._set("add_mesh", faces[0].shape[1], *size_m, *_faces(*faces), *arrays))
 
     def add_tree(self, range_m: float, levels: Sequence[Image], haze: Floats) -> None:
         """Add a kind of tree: pictures (h, w, 4), the finest first; see `vc_tree` in core.h."""
         sizes = np.array([level.shape[:2] for level in levels], np.int32)
         px = _bytes(np.concatenate([level.ravel() for level in levels]))
-        _core.add_tree(self._handle, range_m, sizes, px, rounded(haze, SHARE))
+        self._set("add_tree", range_m, sizes, px, rounded(haze, SHARE))
 
     def plant(self, trees: Floats) -> None:
         """Set the trees, (n, 7); see `vc_plant` in core.h."""
-        _core.plant(self._handle, rounded(trees, POSITION_M))
+        self._set("plant", rounded(trees, POSITION_M))
 
     def set_noise(self, levels: NDArray[np.int8], seed: int) -> None:
         """Set the bank of noise, (rows, columns, 3) grey levels."""
         rows, columns = levels.shape[:2]
-        _core.set_noise(self._handle, rows, columns, seed, np.ascontiguousarray(levels))
+        self._set("set_noise", rows, columns, seed, np.ascontiguousarray(levels))
 
     def begin(self, x_m: float, y_m: float, yaw_rad: float, time_s: float, objects: Floats) -> None:
         """Set the pose of the next frame and find what it shows.
@@ -138,7 +166,8 @@ class Core:
         if len(objects) > self._reserved:
             self._reserved = 2 * len(objects)
             _core.reserve(self._handle, self._reserved)
-        _core.begin(self._handle, x_m, y_m, yaw_rad, round(1e6 * time_s), objects)
+        self._begun = (x_m, y_m, yaw_rad, round(1e6 * time_s), objects)
+        _core.begin(self._handle, *self._begun)
 
     def draw_backdrop(self, frame: Image) -> None:
         """Draw sky, ground and haze."""
