@@ -1,6 +1,7 @@
 """Falling rain: every visible drop as a speck or a streak, drawn by the core (`core/rain/streaks.h`)."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,13 +66,25 @@ class Streaks:
         lens = (camera.width_px, camera.height_px, camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px)
         exposure_s = exposure_s_of(light) if exposure_s is None else exposure_s
         own_seed = int(stream(seed, "streaks").integers(0, 2**63))
-        self._streaks = _core.streaks_new(
-            lens, camera.pitch_rad, atmosphere.rain_mmph, exposure_s, self.brightness, gain, own_seed
-        )
+        rain = atmosphere.rain_mmph, exposure_s, self.brightness, gain
+        self._made_of = (lens, camera.pitch_rad, *rain, own_seed)
+        self._streaks = _core.streaks_new(*self._made_of)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the core's part, which is made anew: it depends on nothing before."""
+        return {name: value for name, value in self.__dict__.items() if name != "_streaks"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Make the core's part."""
+        self.__dict__.update(state)
+        if not self._is_dry:
+            self._streaks = _core.streaks_new(*self._made_of)
 
     @timed("render.streaks")
     def draw(self, frame: Image, now: Snapshot, before: Snapshot) -> None:
         """Draw the drops of this moment, in place."""
+        if self._is_dry:
+            return
         gap_s = now.time_s - before.time_s
         way_m = (now.view.centre - before.view.centre).tolist()
         velocity = (
