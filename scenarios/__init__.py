@@ -1,6 +1,6 @@
 """Scenarios: files, schema and catalog."""
 
-from vpf_sim.scenarios.files import AnyScenario, drawn_road, load, names, parse, summary
+from vpf_sim.scenarios.files import AnyScenario, as_table, drawn_road, load, names, of_table, parse, summary
 from vpf_sim.scenarios.highway import HighwayScenario
 from vpf_sim.scenarios.kinds import SIZES, ObjectKind, Size
 from vpf_sim.scenarios.random_road import RandomScenario
@@ -17,9 +17,11 @@ __all__ = [
     "RandomScenario",
     "Scenario",
     "Size",
+    "as_table",
     "drawn_road",
     "load",
     "names",
+    "of_table",
     "parse",
     "summary",
 ]

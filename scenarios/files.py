@@ -40,7 +40,7 @@ def load(name_or_path: str | AnyScenario) -> AnyScenario:
     path = Path(name_or_path)
     if path.suffix != ".toml" and not path.is_file():
         raise unknown_name("scenario", name_or_path, names())
-    return _checked(configuration.read_file(path, "scenario"), name_or_path)
+    return of_table(configuration.read_file(path, "scenario"), name_or_path)
 
 
 def drawn_road(name_or_path: str, seed: int) -> Scenario:
@@ -53,10 +53,16 @@ def drawn_road(name_or_path: str, seed: int) -> Scenario:
 
 def parse(text: str, file: str) -> AnyScenario:
     """The scenario that a TOML text describes; `file` is how messages call it."""
-    return _checked(configuration.parse(text, file), file)
+    return of_table(configuration.parse(text, file), file)
 
 
-def _checked(content: dict[str, Any], file: str) -> AnyScenario:
+def as_table(scenario: AnyScenario) -> dict[str, Any]:
+    """The tables of a file that says the same as a scenario, without a base or a map: `of_table` reads them."""
+    return scenario.model_dump(mode="json", by_alias=True)
+
+
+def of_table(content: dict[str, Any], file: str) -> AnyScenario:
+    """The scenario that the tables of a file describe; `file` is how messages call it."""
     content = _on_base(_with_map(content, file), file)
     if "highway_env" in content:
         return configuration.build(HighwayScenario, _on_its_id(content), file, also=("base",))

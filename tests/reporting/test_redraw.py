@@ -225,7 +225,7 @@ def test_wrong_use_is_one_line(run: Path, name: str, capsys: pytest.CaptureFixtu
     cases = (
         (["video", str(run / "gone"), "--id", name], r"gone: expected a run folder, got nothing of that name"),
         (["video", str(run), "--id", name[:-1] + "4"], rf"unknown episode of .*: did you mean '{re.escape(name)}'\?"),
-        (["video", str(run), "--id", name], r"expected an episode with steps, got one that never began \(success\)"),
+        (["video", str(run), "--id", name], rf"got one that lost its steps: .*{re.escape(name)}\.parquet is gone"),
         (["video", str(run)], r"Missing option '--id'"),
     )
     for arguments, said in cases:

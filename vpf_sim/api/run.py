@@ -59,7 +59,9 @@ class Run:
         self._stored.record(episode)
         table = self._stored.steps(episode)
         if table is None:
-            raise InputError(f"{episode}: expected an episode with steps, got one that never began")
+            raise InputError(
+                f"{episode}: expected an episode with steps, got one that {self._stored.why_no_steps(episode)}"
+            )
         return table.data_frame()
 
     def summary(self) -> dict[str, Any]:

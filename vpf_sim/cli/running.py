@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 
 def plan_of(run: RunOptions, asked: bool, make: Callable[[], Plan]) -> Plan:
     """The plan that `make` returns, or the stored one where a run is resumed and nothing else was asked."""
-    from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, stored_plan
+    from vpf_sim.evaluation.run_inputs import RunInputs
+    from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, read_manifest, stored_plan
 
     if run.seeds is not None:
         parse_seeds(run.seeds)
@@ -24,6 +25,7 @@ def plan_of(run: RunOptions, asked: bool, make: Callable[[], Plan]) -> Plan:
         return make()
     if not (run.out / MANIFEST).exists():
         raise InputError(f"{run.out}: --resume: expected the {MANIFEST} of a run, found none; name what to drive")
+    RunInputs.of(run.out, read_manifest(run.out)).check_here("--resume")
     return stored_plan(run.out)
 
 

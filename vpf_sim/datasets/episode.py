@@ -12,6 +12,7 @@ from vpf_sim.datasets.contents import Contents, state_of
 from vpf_sim.envs.ending import TERMINATED
 from vpf_sim.evaluation.episode.episode import read
 from vpf_sim.evaluation.episode.pose_playback import PosePlayback, rate_of
+from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.reporting.cells import shown
 from vpf_sim.types import Bools, Floats, Image
@@ -37,6 +38,7 @@ class Episode:
     record: dict[str, Any]
     table: StepTable
     contents: Contents
+    inputs: RunInputs = field(default_factory=RunInputs)
     states: list[Floats] = field(default_factory=list)  # n + 1 of (7,), as the driver was told them
     rewards: list[float] = field(default_factory=list)  # n
     remarks: list[str] = field(default_factory=list)  # how the frames differ from those of the run
@@ -78,7 +80,7 @@ class Episode:
         self.states.clear()
         self.rewards.clear()
         record = self.record
-        with closing(PosePlayback(record["scenario"], record["weather"], self.table, self.contents.truth)) as world:
+        with closing(PosePlayback.of(record, self.table, self.inputs, self.contents.truth)) as world:
             for played in world.play(record["seed"]):
                 observation = read(played.observed)
                 self.states.append(state_of(observation))

@@ -89,9 +89,9 @@ def write_episode(folder: Path, run: StoredRun, form: Format, contents: Contents
     place, record = task
     table = run.steps(record["id"])
     if table is None or len(table) != record["steps"]:
-        got = 0 if table is None else len(table)
-        raise InputError(f"{record['id']}: expected the {record['steps']} steps of its record, got {got}")
-    episode = Episode(record, table, contents)
+        got = f"got {len(table)}" if table is not None else f"but it {run.why_no_steps(record['id'])}"
+        raise InputError(f"{record['id']}: expected the {record['steps']} steps of its record, {got}")
+    episode = Episode(record, table, contents, run.inputs)
     details = form.write(folder, place, episode)
     remarks = tuple(f"{record['id']}: {remark}" for remark in episode.remarks)
     return Written(place, record, len(episode), episode.rate_hz, task_of(record), remarks, episode.is_verified, details)

@@ -8,6 +8,7 @@ from markupsafe import Markup
 
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.analysis.comparisons import succeeded
+from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.reporting import clips, paths, video
 from vpf_sim.reporting.clips import Clip
@@ -49,7 +50,9 @@ def make(runs: TwoRuns, pair: Pair, notify: Callable[[str], None]) -> Change:
         videos.append(_video(run, record, end_m, notify) if video.is_available() else None)
         notify(f"{job.id}: {'rendered' if videos[-1] else 'no video'}")
     first, second = (ending(record) for record in pair.records)
-    return Change(name(pair), (first, second), (videos[0], videos[1]), _above(pair, tables, end_m, notify))
+    return Change(
+        name(pair), (first, second), (videos[0], videos[1]), _above(runs.a.run.inputs, pair, tables, end_m, notify)
+    )
 
 
 def ending(record: Record) -> str:
@@ -96,14 +99,18 @@ def _video(run: RunData, record: Record, end_m: float, notify: Callable[[str], N
 
 
 def _above(
-    pair: Pair, tables: Sequence[StepTable | None], end_m: float, notify: Callable[[str], None]
+    inputs: RunInputs,
+    pair: Pair,
+    tables: Sequence[StepTable | None],
+    end_m: float,
+    notify: Callable[[str], None],
 ) -> Markup | None:
     """Both paths over the road, at the place where one failed."""
     scenario, seed = pair.jobs[0].scenario, pair.jobs[0].seed
     if not any(table is not None for table in tables):
         return None
     try:
-        layout = layouts(scenario, [seed])[seed]
+        layout = layouts(inputs.scenario(scenario), [seed])[seed]
     except InputError as error:
         notify(f"{scenario} cannot be drawn: {error}")
         return None

@@ -66,9 +66,10 @@ def _add(found: Sections, run_data: RunData, scenario: str, weather: str, title:
     seeds = sorted({int(record["seed"]) for record in here})[:MOST_TRACKS]
     tracks = list(_tracks(run_data, [record for record in here if record["seed"] in seeds]))
     if not tracks:
+        found.left_out += _lost(run_data.run, here, title)
         return
     try:
-        where = layouts(scenario, seeds)
+        where = layouts(run_data.run.inputs.scenario(scenario), seeds)
     except InputError as error:
         found.left_out.append(f"{title}: {error}")
         return
@@ -77,6 +78,13 @@ def _add(found: Sections, run_data: RunData, scenario: str, weather: str, title:
         found.commands += _commands(run_data.run, run_data.order, first)
     drivers = tuple(dict.fromkeys(record["driver"] for record in here))
     found.drawn.append(Section(title, drivers, tuple(paths.charts(where, tracks, title))))
+
+
+def _lost(run: StoredRun, records: Sequence[Record], title: str) -> Iterator[str]:
+    """That the steps of driven episodes are gone, if they are."""
+    lost = [record["id"] for record in records if record["steps"]]
+    if lost:
+        yield f"{title}: {len(lost)} driven episodes have no steps in {run.path / 'steps'} any more"
 
 
 def _tracks(run_data: RunData, records: Sequence[Record]) -> Iterator[Track]:

@@ -94,6 +94,7 @@ def _failures(run_data: RunData) -> dict[str, Any]:
     found = failures.endings(run_data.failures(), run_data.run.reason)
     return {
         "video_remedy": "" if video.is_available() else video.INSTALL,
+        "has_steps": lambda episode: run_data.run.steps(episode) is not None,
         "failures": [(ending, failures.ranges(ending.seeds)) for ending in found[:MOST_LISTED]],
         "failed": len(run_data.failures()),
         "unlisted": sum(len(ending.seeds) for ending in found[MOST_LISTED:]),

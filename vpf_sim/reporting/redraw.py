@@ -16,6 +16,7 @@ from vpf_sim.envs.rectangles import solid_objects
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.evaluation.episode.pose_playback import PosePlayback, rate_of
+from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.reporting.stored_run import Record, StoredRun
 from vpf_sim.reporting.top_view import Rectangle, Scene
@@ -39,6 +40,7 @@ class Redrawing:
     record: Record
     table: StepTable
     replan: bool  # whether the driver recomputes its plans
+    inputs: RunInputs = field(default_factory=RunInputs)
     remarks: list[str] = field(default_factory=list)
     camera: Camera = field(init=False)
     scene: Scene = field(init=False)
@@ -56,7 +58,7 @@ class Redrawing:
         with closing(self._world()) as world:
             for frame in world.play(self.record["seed"]):
                 if self.replan and replanner is None:
-                    replanner = _Replanner(self.record["driver"], world, self.table, self.record["seed"])
+                    replanner = _Replanner(self, world)
                 observation = read(frame.observed)
                 objects = tuple(rectangle_of(obj) for obj in solid_objects(world.ego))
                 plan = replanner.plan(frame.index, observation) if replanner else None
@@ -64,22 +66,22 @@ class Redrawing:
         self.remarks += world.deviations(self.record) + (replanner.remarks if replanner else [])
 
     def _world(self) -> PosePlayback:
-        return PosePlayback(self.record["scenario"], self.record["weather"], self.table)
+        return PosePlayback.of(self.record, self.table, self.inputs)
 
 
 class _Replanner:
     """Recomputes the driver's plans."""
 
-    def __init__(self, name: str, world: Any, table: StepTable, seed: int) -> None:
+    def __init__(self, drawn: Redrawing, world: FourLane) -> None:
         self.remarks: list[str] = []
-        self._table = table
+        self._table = drawn.table
         self._driver: Driver | None = None
         try:
-            driver = drivers.create(name)
-            driver.reset(setup_for(driver, world, seed))
+            driver = drivers.create(drawn.inputs.driver(drawn.record["driver"]))
+            driver.reset(setup_for(driver, world, drawn.record["seed"]))
             self._driver = driver
         except InputError as error:  # a class of a notebook, or of a module that has moved
-            self.remarks.append(f"without the driver's view: {error}")
+            self.remarks.append(f"without the driver's view: {error}{drawn.inputs.place}")
         except (Exception, SystemExit) as error:  # raised by the driver
             self.remarks.append(f"without the driver's view: its reset fails: {type(error).__name__}: {error}")
 
@@ -105,8 +107,8 @@ def redrawing(run: StoredRun, episode_id: str, replan: bool) -> Redrawing:
     record = run.record(episode_id)
     table = run.steps(episode_id)
     if table is None:
-        raise InputError(f"{episode_id}: expected an episode with steps, got one that never began ({record['status']})")
-    return Redrawing(record, table, replan)
+        raise InputError(f"{episode_id}: expected an episode with steps, got one that {run.why_no_steps(episode_id)}")
+    return Redrawing(record, table, replan, run.inputs)
 
 
 def scene_of(world: FourLane) -> Scene:

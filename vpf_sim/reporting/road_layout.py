@@ -98,7 +98,7 @@ class RoadLayout:
         return len(self.world.road.vehicles) > 1
 
 
-def layouts(scenario: str, seeds: list[int]) -> dict[int, RoadLayout]:
+def layouts(scenario: str | scenarios.AnyScenario, seeds: list[int]) -> dict[int, RoadLayout]:
     """The layout of a scenario for each seed."""
     undrawn = scenarios.load(scenario)
     return {seed: RoadLayout(undrawn.draw(seed), seed) for seed in seeds}

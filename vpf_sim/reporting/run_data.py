@@ -54,7 +54,7 @@ class RunData:
     def changed(self) -> set[str]:
         """Scenarios, weathers and drivers that changed since the run."""
         try:
-            now = self.plan.hashes()
+            now = self.plan.hashes(self.run.inputs)
         except InputError:  # one is missing here; the code that needs it reports it
             return set()
         before = {kind: self.run.manifest.get(kind) or {} for kind in now}

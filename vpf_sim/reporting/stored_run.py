@@ -3,7 +3,7 @@
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import date
+from datetime import date, datetime
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.analysis.benchmark import with_paper
 from vpf_sim.evaluation.analysis.summary import summarize
 from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.evaluation.sweeps.json_lines import read_lines
 from vpf_sim.evaluation.sweeps.run_folder import read_manifest, read_records
@@ -35,7 +36,12 @@ class StoredRun:
     def begun(self) -> date | None:
         """The day on which the run began; None for one of an earlier version, which did not store it."""
         day = self.manifest.get("begun")
-        return None if day is None else date.fromisoformat(day)
+        return None if day is None else datetime.fromisoformat(day).date()
+
+    @property
+    def inputs(self) -> RunInputs:
+        """What the run was driven with."""
+        return RunInputs.of(self.path, self.manifest)
 
     def record(self, episode_id: str) -> Record:
         """The record of an episode; InputError with the nearest id if it is unknown."""
@@ -46,12 +52,19 @@ class StoredRun:
         return self.records[episode_id]
 
     def steps(self, episode_id: str) -> StepTable | None:
-        """The steps of an episode; None if it never began."""
+        """The steps of an episode; None where there are none, for the reason of `why_no_steps`."""
         path = self.path / "steps" / f"{episode_id}.parquet"
         if not path.exists():
             return None
         table = steps.read(path)
         return table if len(table) else None
+
+    def why_no_steps(self, episode_id: str) -> str:
+        """Why an episode has no steps: it never began, or its file is gone."""
+        record = self.record(episode_id)
+        if not record["steps"]:
+            return f"never began ({record['status']})"
+        return f"lost its steps: {self.path / 'steps' / episode_id}.parquet is gone"
 
     def reason(self, episode_id: str) -> str:
         """The last line of an episode's error file; empty without one."""

@@ -6,7 +6,6 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from vpf_sim import scenarios
 from vpf_sim.envs.world import build_route
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import steps
@@ -15,6 +14,7 @@ from vpf_sim.evaluation.analysis.summary import summarize
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics import records
 from vpf_sim.evaluation.outcome import Outcome
+from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
 from vpf_sim.evaluation.sweeps.json_lines import read_lines
@@ -47,11 +47,11 @@ def rescore(path: Path) -> Rescored:
     manifest, plan = read_manifest(path), stored_plan(path)
     jobs = {job.id: job for job in plan.jobs()}
     _check_scenarios(path, manifest, plan)
-    now = fingerprint()
+    inputs, now = RunInputs.of(path, manifest), fingerprint()
     mark = {} if now == manifest["fingerprint"] else {"fingerprint": digest(now)}
     with closing(RunFolder(path, manifest, resume=True)) as folder:
         stored = read_lines(path / "episodes.jsonl")
-        again = [_rescored(path, record, jobs) for record in stored]
+        again = [_rescored(path, record, jobs, inputs) for record in stored]
         changed = {old["id"]: _differences(old, new) for old, new in zip(stored, again, strict=True) if old != new}
         kept = [{**new, **mark} if new["id"] in changed else new for new in again]
         if changed:
@@ -62,13 +62,13 @@ def rescore(path: Path) -> Rescored:
     return Rescored(kept, changed, len(jobs), str(manifest.get("command")), plan.seeds, summary)
 
 
-def score(job: Job, outcome: Outcome) -> Record:
+def score(job: Job, outcome: Outcome, inputs: RunInputs | None = None) -> Record:
     """The record of an episode from its outcome, on the scenario's route for its seed."""
-    route = build_route(scenarios.load(job.scenario).draw(job.seed), job.seed)
+    route = build_route((inputs or RunInputs()).scenario(job.scenario).draw(job.seed), job.seed)
     return records.score(job, outcome, route.waypoints(), route.length_m)
 
 
-def _rescored(path: Path, record: Record, jobs: dict[str, Job]) -> Record:
+def _rescored(path: Path, record: Record, jobs: dict[str, Job], inputs: RunInputs) -> Record:
     """The record recomputed from its steps; unchanged without steps."""
     where = f"{path / 'episodes.jsonl'}: {record.get('id')}"
     if record.get("id") not in jobs:
@@ -79,7 +79,7 @@ def _rescored(path: Path, record: Record, jobs: dict[str, Job]) -> Record:
     if record["states_sha256"] is None:
         return record
     table = _read_steps(path / "steps" / f"{record['id']}.parquet", record["states_sha256"])
-    new = score(jobs[record["id"]], Outcome(steps=table, **{key: record[key] for key in KEPT}))
+    new = score(jobs[record["id"]], Outcome(steps=table, **{key: record[key] for key in KEPT}), inputs)
     return {**new, **{key: record[key] for key in ("fingerprint",) if key in record}}
 
 
@@ -93,7 +93,7 @@ def _read_steps(path: Path, states_sha256: str) -> StepTable:
 
 def _check_scenarios(path: Path, manifest: dict[str, Any], plan: Plan) -> None:
     """InputError where a scenario changed since the run, and with it its route."""
-    for name, found in plan.scenario_hashes().items():
+    for name, found in plan.scenario_hashes(RunInputs.of(path, manifest)).items():
         stored = (manifest.get("scenarios") or {}).get(name)
         if stored != found:
             raise InputError(f"{path / MANIFEST}: scenario {name} changed since the run: was {stored}, is {found}")

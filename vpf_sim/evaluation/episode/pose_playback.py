@@ -7,9 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.geometry import wrap_angle
+from vpf_sim.scenarios import AnyScenario
 from vpf_sim.types import Floats
 
 RATES_HZ = (60.0, 20.0)
@@ -33,11 +36,20 @@ class PosePlayback(FourLane):
     deviates, as with another version of the code, it is corrected; `largest_correction_m` is the largest correction.
     """
 
-    def __init__(self, scenario: str, weather: str, table: StepTable, truth: Sequence[str] = ()) -> None:
+    def __init__(
+        self, scenario: str | AnyScenario, weather: str | Weather, table: StepTable, truth: Sequence[str] = ()
+    ) -> None:
         super().__init__(scenario, weather, rate_hz=rate_of(table), truth=truth)
         self._table, self._row = table, 0
         self.largest_correction_m = 0.0
         self._frames_sha256 = ""
+
+    @classmethod
+    def of(
+        cls, record: Mapping[str, Any], table: StepTable, inputs: RunInputs, truth: Sequence[str] = ()
+    ) -> "PosePlayback":
+        """The playback of a stored episode with the inputs of its run."""
+        return cls(inputs.scenario(record["scenario"]), inputs.weather(record["weather"]), table, truth)
 
     def play(self, seed: int) -> Iterator[Played]:
         """Yield every frame of the episode in order, drawn with the stored commands and poses."""

@@ -7,6 +7,7 @@ from typing import Any
 from vpf_sim import configuration
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.evaluation.perception.replay import StoredDrive
+from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.sweeps.fingerprint import digest
 from vpf_sim.evaluation.sweeps.plan import Plan, make_plan
 from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, change, read_manifest, read_records
@@ -53,7 +54,7 @@ def _of_run(folder: Path) -> list[StoredDrive]:
 def _check_world(folder: Path, manifest: dict[str, Any], drives: Sequence[StoredDrive]) -> None:
     """InputError where a scenario or weather changed since the run."""
     names = [tuple(sorted({drive.record[key] for drive in drives})) for key in ("scenario", "weather")]
-    now = Plan(names[0], names[1], ("neutral",), "0:1").hashes()
+    now = Plan(names[0], names[1], ("neutral",), "0:1").hashes(RunInputs.of(folder, manifest))
     for kind in ("scenarios", "weathers"):
         stored = {name: manifest[kind].get(name) for name in now[kind]}
         if stored != now[kind]:

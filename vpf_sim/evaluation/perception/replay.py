@@ -20,6 +20,7 @@ from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.evaluation.episode.pose_playback import TOLERANCE, PosePlayback
 from vpf_sim.evaluation.perception.scorer import DriveEvaluation, PerceptionScorer
 from vpf_sim.evaluation.processes import pool
+from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.types import Driver, Observation, Perception
 
@@ -64,7 +65,7 @@ def _evaluate(names: Sequence[str], drive: StoredDrive) -> list[DriveEvaluation]
     record, table = drive.record, drive.steps()
     scorers = [PerceptionScorer(len(table.rows)) for _ in names]
     perceivers = [drivers.create(name) for name in names]
-    with closing(PosePlayback(record["scenario"], record["weather"], table, truth=("foe",))) as world:
+    with closing(PosePlayback.of(record, table, RunInputs(drive.folder), truth=("foe",))) as world:
 
         def show(row: int, perceptions: Sequence[Perception], info: dict[str, Any]) -> None:
             for scorer, perception in zip(scorers, perceptions, strict=True):

@@ -12,6 +12,7 @@ from vpf_sim import configuration
 from vpf_sim.configuration import setting, settings
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.sweeps.seeds import parse_seeds, seeds_text
 
 SHIPPED = ("ablation", "hard")  # plans that come with the package
@@ -50,22 +51,21 @@ class Plan:
         privileged: dict[str, str] = {name: drivers.create(name).privileged for name in self.driver}
         return {**self.hashes(), "privileged": privileged}
 
-    def hashes(self) -> dict[str, dict[str, str]]:
-        """Hashes of the scenarios, the weathers, and the code of users' drivers."""
-        from vpf_sim.envs.camera import weather
+    def hashes(self, inputs: RunInputs | None = None) -> dict[str, dict[str, str]]:
+        """Hashes of the scenarios, the weathers, and the code of users' drivers; of a stored run, by its `inputs`."""
         from vpf_sim.evaluation.sweeps.fingerprint import own_code
 
+        inputs = inputs or RunInputs()
         return {
-            "scenarios": self.scenario_hashes(),
-            "weathers": {name: _hash(weather.load(name)) for name in self.weather},
-            "drivers": {name: code for name in self.driver if (code := own_code(name)) is not None},
+            "scenarios": self.scenario_hashes(inputs),
+            "weathers": {name: _hash(inputs.weather(name)) for name in self.weather},
+            "drivers": {name: code for name in self.driver if (code := own_code(inputs.driver(name))) is not None},
         }
 
-    def scenario_hashes(self) -> dict[str, str]:
-        """Hashes of the scenarios."""
-        from vpf_sim import scenarios
-
-        return {name: _hash(scenarios.load(name)) for name in self.scenario}
+    def scenario_hashes(self, inputs: RunInputs | None = None) -> dict[str, str]:
+        """Hashes of the scenarios; of a stored run, by its `inputs`."""
+        inputs = inputs or RunInputs()
+        return {name: _hash(inputs.scenario(name)) for name in self.scenario}
 
     @classmethod
     def of(cls, job: Job) -> "Plan":

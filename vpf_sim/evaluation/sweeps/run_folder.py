@@ -5,7 +5,7 @@ import os
 import shutil
 from contextlib import ExitStack, closing, suppress
 from dataclasses import asdict
-from datetime import date, datetime
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from vpf_sim import system
 from vpf_sim.errors import InputError, option
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.records import failed
+from vpf_sim.evaluation.run_inputs import INPUTS, contents
 from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint, forget_code
 from vpf_sim.evaluation.sweeps.folder_lock import LOCK, locked
 from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
@@ -46,23 +47,34 @@ def located(path: Path) -> Path:
     """
     if path.name != LATEST or path.exists():
         return path
-    begun = [(_begun_ns(file), file) for file in path.parent.glob(f"*/{MANIFEST}") if (file.parent / LINES[0]).exists()]
-    return max(begun, default=(0, path / MANIFEST))[1].parent
+    files = [file for file in path.parent.glob(f"*/{MANIFEST}") if (file.parent / LINES[0]).exists()]
+    return max(files, key=_begun, default=path / MANIFEST).parent
 
 
-def _begun_ns(manifest: Path) -> int:
-    """When a run began; before all others if its folder has been removed meanwhile."""
+def _begun(manifest: Path) -> tuple[float, int]:
+    """When a run began by its manifest, s, then the time of the file, which tells runs of earlier versions apart.
+
+    They stored the day alone, or nothing. A run whose folder has been removed meanwhile comes before all others.
+    """
     try:
-        return manifest.stat().st_mtime_ns
+        written_ns = manifest.stat().st_mtime_ns
+        return datetime.fromisoformat(json.loads(manifest.read_text("utf-8"))["begun"]).timestamp(), written_ns
     except OSError:
-        return -1
+        return -2.0, 0
+    except (ValueError, KeyError, TypeError, RecursionError, OverflowError):
+        return -1.0, written_ns
+
+
+def now() -> str:
+    """The time with its offset from UTC, ISO 8601."""
+    return datetime.now().astimezone().isoformat()
 
 
 def manifest(command: str, plan: Plan) -> dict[str, Any]:
     """The manifest: command, plan, day, fingerprint, and hashes of scenarios, weathers and drivers."""
     forget_code()
     asked = {key: value for key, value in asdict(plan).items() if value}
-    known = {"schema": 1, "command": command, "plan": asked, "begun": date.today().isoformat()}
+    known = {"schema": 1, "command": command, "plan": asked, "begun": now(), "made_in": str(Path.cwd())}
     return {**known, "fingerprint": fingerprint(), **plan.check()}
 
 
@@ -80,6 +92,7 @@ class RunFolder:
             new, self.mark = admitted(path, asked, resume, mixed)  # another run may have begun in it until now
             self._lines = [opened.enter_context(closing(JsonLines(path / name))) for name in LINES]
             if new:
+                self._keep_inputs()
                 self.write_json(MANIFEST, self.asked)
             self.done = {record["id"] for record in self.records()}
             opened.pop_all()
@@ -122,13 +135,19 @@ class RunFolder:
         with closing(self), suppress(OSError):
             for name in OUTPUTS:
                 shutil.rmtree(self.path / name, ignore_errors=True)
-            for name in (MANIFEST, *LINES):
+            for name in (MANIFEST, INPUTS, *LINES):
                 (self.path / name).unlink(missing_ok=True)
             if system.WINDOWS:  # which removes no open file, hence none that another run has locked
                 self._lock.release()
             (self.path / LOCK).unlink(missing_ok=True)
             if not keep_folder:
                 self.path.rmdir()
+
+    def _keep_inputs(self) -> None:
+        """Write what the plan's own files say, if it has any."""
+        kept = contents(*(self.asked["plan"].get(kind, ()) for kind in ("scenario", "weather")))
+        if any(kept.values()):
+            self.write_json(INPUTS, kept)
 
     def _write_error(self, episode: str, reason: str) -> None:
         path = self.error_file(episode)
@@ -179,10 +198,8 @@ def _has_other_fingerprint(path: Path, asked: dict[str, Any], mixed: bool) -> bo
 
 def _is_unwritten(path: Path) -> bool:
     """Whether a run that was killed before writing its manifest could have left this file."""
-    if path.name in (
-        f"{MANIFEST}{DRAFT}",
-        LOCK,
-    ):  # where the file system has no locks, the holder's name is in the file
+    drafts = [f"{name}{DRAFT}" for name in (MANIFEST, INPUTS)]
+    if path.name in (*drafts, INPUTS, LOCK):  # where the file system has no locks, the holder's name is in the file
         return True
     return path.name in LINES and path.is_file() and path.stat().st_size == 0
 

@@ -113,6 +113,7 @@ class Manifest(Schema):
     drivers: dict[str, str] = {}
     privileged: dict[str, str] = {}
     begun: str | None = None  # ISO 8601
+    made_in: str | None = None  # the working folder
 
 
 class Paper(Schema):
