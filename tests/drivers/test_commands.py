@@ -64,7 +64,7 @@ ONE_NUMBER = [
 ]
 
 
-@pytest.mark.parametrize("value", ONE_NUMBER, ids=repr)
+@pytest.mark.parametrize("value", ONE_NUMBER, ids=lambda value: repr(value).partition(" object at")[0])
 def test_one_number_in_any_form_is_taken(value: Any) -> None:
     for given in (command(value, -0.5), command(-0.5, value)):
         assert {type(given.throttle), type(given.steering)} == {float}
