@@ -218,7 +218,7 @@ def test_a_stopped_drive_leaves_no_empty_run_folder(
 
     monkeypatch.setattr("vpf_sim.evaluation.episode.episode.run", stop)
     assert cli.run(["drive", "straight", "--driver", "neutral", "--out", str(tmp_path / "run")]) == 130
-    assert capsys.readouterr().err == ""
+    assert capsys.readouterr().err == "vpf-sim: stopped by Ctrl-C; the drive is not stored\n"
     assert list(tmp_path.iterdir()) == []
 
 

@@ -46,6 +46,8 @@ SIMULATING = (
     "report",
     "perception",
 )
+STOPPED = 130  # exit code after Ctrl-C
+TELL_HOW_TO_GO_ON = {"sweep", "benchmark", "reproduce", "replay"}  # where they are stopped
 UsageError: type[Exception] = typer.BadParameter.__bases__[0]  # click's; its module depends on typer's release
 
 app = typer.Typer(
@@ -125,9 +127,11 @@ def run(arguments: Sequence[str]) -> int:
     except OSError as error:
         return _refuse(f"{error.filename}: {error.strerror}" if error.filename else str(error))
     except (KeyboardInterrupt, typer.Abort):
-        return 130
+        code = STOPPED  # typer's own answer, in some of its releases
     except UsageError as error:
         return _usage(error)
+    if code == STOPPED and not set(arguments[:1]) & TELL_HOW_TO_GO_ON:
+        _refuse(f"stopped by Ctrl-C{'; the drive is not stored' if 'drive' in arguments[:1] else ''}")
     return code if isinstance(code, int) else 0
 
 

@@ -3,7 +3,7 @@
 import sys
 from contextlib import redirect_stdout
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -17,6 +17,7 @@ from vpf_sim.cli.options import (
     prints_on_stderr,
 )
 from vpf_sim.cli.tables import measure
+from vpf_sim.tracebacks import cause
 
 if TYPE_CHECKING:
     from vpf_sim.api.drive import Episode
@@ -69,7 +70,7 @@ def drive(
 def _answer(episode: "Episode", as_json: bool) -> None:
     record, timing, folder = episode.record, episode.timing, episode.path
     if episode.error and folder is not None:
-        print(f"vpf-sim: {episode.error.strip().splitlines()[-1]}", file=sys.stderr)
+        print(f"vpf-sim: {cause(episode.error)}", file=sys.stderr)
         print(f"vpf-sim: the traceback is in {folder / 'errors' / (record['id'] + '.txt')}", file=sys.stderr)
     if as_json:
         print_json({**record, "timing": {key: timing[key] for key in ("wall_s", "steps_per_s")}})
@@ -77,12 +78,28 @@ def _answer(episode: "Episode", as_json: bool) -> None:
     shadow = (record["accuracy"] or {}).get("shadow") or {}
     accuracy = ", ".join(f"{name} {_share((shadow.get(name) or {}).get('range'))}" for name in ("throttle", "steering"))
     print(f"{record['id']}: {record['status']}")
+    if record["collided_with"]:
+        print(f"  collided with    {record['collided_with']}, {_fault(record)}")
     print(f"  route driven     {_share(record['route_completion'])}")
     print(f"  path MSE         {measure(record['path_mse_m2'], 'm2', 3)}")
     print(f"  least clearance  {measure(record['min_clearance_m'], 'm')}")
     print(f"  against the PID  {accuracy} (range, shadow)")
     print(f"  {record['steps']} steps, {timing['steps_per_s']:.0f} a second")
     print(f"  record and steps {folder}")
+
+
+def _fault(record: dict[str, Any]) -> str:
+    """Whose fault a collision was, and why."""
+    kind = record["collision_type"]
+    lane = "out of its lane" if record["at_fault_collisions"] else "in its lane"
+    why = {
+        "stopped_ego": "it hit the ego, which stood",
+        "stopped_track": "it stood",
+        "active_rear": "it came from behind",
+        "active_front": "the ego's front hit it",
+        "active_lateral": f"the sides touched, the ego {lane}",
+    }[kind]
+    return f"the fault is {'the ego' if record['at_fault_collisions'] else 'the other'}'s: {why} ({kind})"
 
 
 def _share(share: float | None) -> str:

@@ -2,11 +2,12 @@
 
 import sys
 from importlib import import_module
+from inspect import signature
 from typing import Protocol, TypeAlias, cast, get_args
 
 from vpf_sim import process_state
 from vpf_sim.drivers import own_names
-from vpf_sim.errors import InputError
+from vpf_sim.errors import InputError, shown
 from vpf_sim.types import Command, Driver, DriverSetup, Observation, Privilege
 
 PARTS = ("privileged", "reset", "act")
@@ -75,13 +76,40 @@ def make(driver: object, name: str) -> Driver:
     """The driver of a class or instance, checked against the protocol; InputError where it is none."""
     own = process_state.unwrapped(driver)
     own = _instance(own, name) if isinstance(own, type) else own
-    missing = [part for part in PARTS if not hasattr(own, part)]
+    missing = [part for part in PARTS if not hasattr(own, part) or _is_placeholder(own, part)]
     if missing:
         raise InputError(f"driver '{name}': expected privileged, reset and act; missing: {', '.join(missing)}")
+    for part, argument in (("reset", "setup"), ("act", "observation")):
+        if not _takes_one(getattr(own, part)):
+            raise InputError(f"driver '{name}': expected a method {part}({argument}), got {_written(own, part)}")
     made = cast(Driver, process_state.Isolated(own))
     if made.privileged not in get_args(Privilege):
         raise InputError(f"driver '{name}': privileged: expected none, route or world, got {made.privileged!r}")
     return made
+
+
+def _is_placeholder(own: object, part: str) -> bool:
+    """Whether the method is that of the base class, which has no body."""
+    return part == "act" and getattr(own.act, "__func__", None) is Driver.act  # type: ignore[attr-defined]
+
+
+def _takes_one(method: object) -> bool:
+    """Whether a method can be called with one argument; True where that is not known."""
+    if not callable(method):
+        return False
+    try:
+        signature(method).bind(None)
+    except TypeError:
+        return False
+    except ValueError:  # no signature, as of some built-in functions
+        return True
+    return True
+
+
+def _written(own: object, part: str) -> str:
+    """A member as its class has it: "act(one, two)"."""
+    member = getattr(own, part)
+    return f"{part}{signature(member)}" if callable(member) else f"{part} = {shown(member)}"
 
 
 def load(name: str) -> Driver:

@@ -1,9 +1,11 @@
 """How any driver is asked: its command, whether it needs frames, and its plan if it shows one."""
 
 from math import isfinite, nan
+from typing import Any
 
 import numpy as np
 
+from vpf_sim import process_state
 from vpf_sim.errors import shown
 from vpf_sim.timing import timed
 from vpf_sim.types import Command, Driver, Observation, Perception, Plan
@@ -15,19 +17,27 @@ def command_of(driver: Driver, observation: Observation) -> Command:
     _protect(observation)
     command = driver.act(observation)
     if not isinstance(command, Command):
-        raise TypeError(f"driver: act: expected a vpf_sim.types.Command, got {shown(command)}")
-    return Command(_limited("throttle", command.throttle), _limited("steering", command.steering))
+        raise TypeError(f"driver: act: expected a vpf_sim.types.Command, got {shown(command)}{_place(driver)}")
+    values = {name: _number(getattr(command, name)) for name in ("throttle", "steering")}
+    for name, value in values.items():
+        if not isfinite(value):
+            got = f"{shown(getattr(command, name))}{_place(driver)}"
+            raise ValueError(f"driver: Command: {name}: expected a finite number, got {got}")
+    return Command(**{name: min(max(value, -1.0), 1.0) for name, value in values.items()})
 
 
-def _limited(name: str, given: object) -> float:
-    """A value of a command in [-1, 1]: a number, or an array or tensor of one number."""
+def _number(given: Any) -> float:
+    """The value of a number, or of an array or tensor of one number; nan for anything else."""
     try:
-        value = float(given.item() if hasattr(given, "item") else np.asarray(given).item())
+        return float(given.item() if hasattr(given, "item") else np.asarray(given).item())
     except (TypeError, ValueError, OverflowError, RuntimeError):  # RuntimeError: torch's, for more than one element
-        value = nan
-    if not isfinite(value):
-        raise ValueError(f"driver: Command: {name}: expected a finite number, got {shown(given)}")
-    return min(max(value, -1.0), 1.0)
+        return nan
+
+
+def _place(driver: Driver) -> str:
+    """Where a driver's `act` is written, since the fault shows only after its return."""
+    code = getattr(getattr(process_state.unwrapped(driver), "act", None), "__code__", None)
+    return "" if code is None else f" ({code.co_filename}, line {code.co_firstlineno})"
 
 
 def _protect(observation: Observation) -> None:

@@ -1,7 +1,7 @@
 """Smoke test of a driver: a short episode without and with an obstacle."""
 
 from contextlib import closing
-from traceback import extract_tb
+from traceback import format_exc
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from vpf_sim import drivers, process_state, scenarios
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.episode.episode import read, setup_for
+from vpf_sim.tracebacks import cause
 from vpf_sim.types import Driver
 
 MOST_FRAMES = 90
@@ -56,6 +57,4 @@ def _drive(driver: Driver, where: str, text: str) -> None:
                 if terminated or truncated:
                     break
         except (Exception, SystemExit) as error:
-            last = extract_tb(error.__traceback__)[-1]
-            text = " ".join(f"{type(error).__name__}: {error}".split())
-            raise InputError(f"{where}: {stage}: {text} ({last.filename}, line {last.lineno})") from error
+            raise InputError(f"{where}: {stage}: {cause(format_exc())}") from error
