@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain, pairwise
+from itertools import pairwise
 
 import numpy as np
 
@@ -10,12 +10,14 @@ from vpf_sim.errors import InputError
 from vpf_sim.scenarios.opendrive.cubics import Cubic, valid_at
 from vpf_sim.scenarios.opendrive.lanes import LaneSection
 from vpf_sim.scenarios.opendrive.links import Leg
-from vpf_sim.scenarios.opendrive.routes import Route
+from vpf_sim.scenarios.opendrive.network import MapRoad
+from vpf_sim.scenarios.opendrive.routes import Route, Track
 from vpf_sim.types import Floats
 
 TAPER_M = 1.0  # a lane that is narrower somewhere does not run through
 WIDTH_TOLERANCE_M = 0.05
 SAMPLE_M = 1.0
+SHORT_M = 0.01  # a part of a road that is shorter is merged with its neighbour
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,8 +69,7 @@ class Carriageway:
 
 def carriageway(route: Route) -> Carriageway:
     """The lanes of a route, counted from the right. Raises InputError if no lane runs through, or widths differ."""
-    sections = [(leg, section) for leg in route.legs for section in leg.sections]
-    wide = [track for track in route.tracks if _least_width(sections, track) >= TAPER_M]
+    wide = [track for track in route.tracks if _least_width(route, track) >= TAPER_M]
     if not wide:
         road = route.legs[-1].road
         raise InputError(f"{road.where}: lanes: expected a driving lane of {TAPER_M:g} m or more all along, got none")
@@ -77,29 +78,56 @@ def carriageway(route: Route) -> Carriageway:
         if any(abs(here - there) != 1 for here, there in zip(tracks[-1], track, strict=True)):
             break
         tracks.append(track)
-    groups = list(zip(*tracks, strict=True))
-    stretches = [*chain.from_iterable(_stretches(*one, ids) for one, ids in zip(sections, groups, strict=True))]
+    stretches = [*_stretches(route.legs, list(zip(*tracks, strict=True)))]
     return Carriageway(tuple(stretches), len(tracks), _common_width(stretches))
 
 
-def _least_width(sections: Sequence[tuple[Leg, LaneSection]], track: Sequence[int]) -> float:
-    return min(
-        float(stretch.widths_m(lane).min())
-        for (leg, section), lane in zip(sections, track, strict=True)
-        for stretch in _stretches(leg, section, (lane,))
-    )
+def _least_width(route: Route, track: Track) -> float:
+    stretches = _stretches(route.legs, [(lane,) for lane in track])
+    return min(float(stretch.widths_m(*stretch.lanes).min()) for stretch in stretches)
 
 
-def _stretches(leg: Leg, section: LaneSection, lanes: tuple[int, ...]) -> Iterator[Stretch]:
-    """A section cut where a geometry, a polynomial or a mark begins, in the order of the drive."""
-    road = leg.road
-    starts = {one.s_m for one in road.geometries} | {one.s_m for one in road.lane_offsets}
-    starts |= {width.s_m for lane in section.lanes.values() for width in lane.widths}
-    starts |= {mark.s_m for lane in section.lanes.values() for mark in lane.marks}
-    inside = sorted(s for s in starts if section.s_m + 1e-6 < s < section.end_m - 1e-6)
-    cuts = [section.s_m, *inside, section.end_m]
-    parts = [Stretch(leg, section, low, high, lanes) for low, high in pairwise(cuts)]
-    yield from parts if leg.forward else reversed(parts)
+def _stretches(legs: Sequence[Leg], lanes: Sequence[tuple[int, ...]]) -> Iterator[Stretch]:
+    """Roads cut where a geometry, a polynomial or a mark begins, in the order of the drive; lanes by section."""
+    of_section = iter(lanes)
+    for leg in legs:
+        for section, low_m, high_m, ids in _merged([(one, next(of_section)) for one in leg.sections], leg.forward):
+            cuts = [low_m, *_cuts(leg.road, section, max(map(abs, ids)), low_m, high_m), high_m]
+            parts = [Stretch(leg, section, low, high, ids) for low, high in pairwise(cuts)]
+            yield from parts if leg.forward else reversed(parts)
+
+
+def _merged(
+    sections: Sequence[tuple[LaneSection, tuple[int, ...]]], forward: bool
+) -> list[tuple[LaneSection, float, float, tuple[int, ...]]]:
+    """Sections with their ends, m, in the order given; one that is too short to notice is part of its neighbour."""
+    along = sections if forward else sections[::-1]
+    low_m, end_m = along[0][0].s_m, along[-1][0].end_m
+    kept: list[tuple[LaneSection, float, float, tuple[int, ...]]] = []
+    for section, ids in along:
+        if section.end_m - low_m >= SHORT_M:
+            kept.append((section, low_m, section.end_m, ids))
+            low_m = section.end_m
+    if not kept:
+        section, ids = max(along, key=lambda one: one[0].end_m - one[0].s_m)
+        kept = [(section, along[0][0].s_m, end_m, ids)]
+    section, low_m, _, ids = kept[-1]
+    kept[-1] = section, low_m, end_m, ids
+    return kept if forward else kept[::-1]
+
+
+def _cuts(road: MapRoad, section: LaneSection, outermost: int, low_m: float, high_m: float) -> list[float]:
+    """s between a section's ends where a geometry, a polynomial or a mark begins."""
+    lanes = [lane for lane in section.lanes.values() if abs(lane.id) <= outermost]
+    starts = {one.s_m for one in road.lane_offsets}
+    starts |= {width.s_m for lane in lanes for width in lane.widths}
+    starts |= {mark.s_m for lane in lanes for mark in lane.marks}
+    kept: list[float] = []
+    for s in sorted(starts):
+        if s - (kept[-1] if kept else low_m) >= SHORT_M and high_m - s >= SHORT_M:
+            kept.append(s)
+    geometries = {one.s_m for one in road.geometries if low_m + 1e-6 < one.s_m < high_m - 1e-6}
+    return sorted(geometries.union(kept))
 
 
 def _common_width(stretches: Sequence[Stretch]) -> float:

@@ -1,7 +1,7 @@
 """Lanes of a road's section: type, width, links and marks. Ids count from the reference line, + to the left."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from vpf_sim.errors import InputError
 from vpf_sim.scenarios.opendrive.cubics import Cubic, read_cubics
@@ -19,20 +19,38 @@ class Mark:
     color: str
 
 
-@dataclass(frozen=True, slots=True)
 class Lane:
-    """A lane of one section; `marks` are on its border away from the reference line."""
+    """A lane of one section, whose parts are read when they are needed."""
 
-    id: int
-    kind: str
-    widths: Sequence[Cubic]
-    predecessors: Sequence[int]
-    successors: Sequence[int]
-    marks: Sequence[Mark]
+    def __init__(self, element: Element, start_m: float, where: str) -> None:
+        self.id = integer(element, "id", where)
+        self.kind = element.get("type", "none")
+        self._element, self._start_m, self._where = element, start_m, f"{where} {self.id}"
 
     @property
     def is_drivable(self) -> bool:
         return self.kind in DRIVABLE
+
+    @cached_property
+    def widths(self) -> list[Cubic]:
+        elements = self._element.findall("width")
+        if not elements and self._element.find("border") is not None:
+            raise InputError(f"{self._where}: expected widths, got borders")
+        return read_cubics(elements, "sOffset", f"{self._where}.width", self._start_m)
+
+    @cached_property
+    def marks(self) -> list[Mark]:
+        """Paint on the border away from the reference line."""
+        where = f"{self._where}.roadMark"
+        return [
+            Mark(self._start_m + number(one, "sOffset", where, 0.0), one.get("type", "none"), one.get("color", ""))
+            for one in self._element.findall("roadMark")
+        ]
+
+    def linked(self, to_successor: bool) -> list[int]:
+        """The lanes of the next section or road, or of the one before, that its links name."""
+        links = self._element.findall(f"link/{'successor' if to_successor else 'predecessor'}")
+        return [integer(one, "id", f"{self._where}.link") for one in links if one.get("id")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,27 +67,14 @@ class LaneSection:
         return [one for one in ids if one != 0 and (one > 0) == left and self.lanes[one].is_drivable]
 
 
-def read_section(element: Element, s_m: float, end_m: float, where: str) -> LaneSection:
-    """A `<laneSection>` that ends at `end_m`."""
-    elements = [one for side in ("left", "center", "right") for one in element.findall(f"{side}/lane")]
-    lanes = [_read_lane(one, s_m, f"{where}.lane") for one in elements]
+def is_for_side(element: Element, left: bool) -> bool:
+    """Whether a `<laneSection>` is valid for a side: one with `singleSide` has lanes on one only."""
+    is_single = element.get("singleSide", "").strip().lower() in ("true", "1")
+    return not is_single or element.find(f"{'left' if left else 'right'}/lane") is not None
+
+
+def read_section(element: Element, s_m: float, end_m: float, left: bool, where: str) -> LaneSection:
+    """One side of a `<laneSection>` that ends at `end_m`, and its middle."""
+    elements = [one for side in ("center", "left" if left else "right") for one in element.findall(f"{side}/lane")]
+    lanes = [Lane(one, s_m, f"{where}.lane") for one in elements]
     return LaneSection(s_m, end_m, {lane.id: lane for lane in lanes})
-
-
-def _read_lane(element: Element, start_m: float, where: str) -> Lane:
-    lane = integer(element, "id", where)
-    where = f"{where} {lane}"
-    if element.find("border") is not None and element.find("width") is None:
-        raise InputError(f"{where}: expected widths, got borders")
-    marks = [
-        Mark(start_m + number(one, "sOffset", f"{where}.roadMark", 0.0), one.get("type", "none"), one.get("color", ""))
-        for one in element.findall("roadMark")
-    ]
-    return Lane(
-        lane,
-        element.get("type", "none"),
-        read_cubics(element.findall("width"), "sOffset", f"{where}.width", start_m),
-        [integer(one, "id", f"{where}.link") for one in element.findall("link/predecessor")],
-        [integer(one, "id", f"{where}.link") for one in element.findall("link/successor")],
-        marks,
-    )

@@ -67,25 +67,24 @@ def _extended(route: Route, leg: Leg, lanes: dict[int, int] | None) -> Route:
     return Route((*route.legs, leg), tuple(tracks))
 
 
-def _onward(network: Network, route: Route) -> Iterator[Route]:
-    """A route with each road that its last one leads to."""
-    for leg in next_legs(network, route.legs[-1]):
-        yield _extended(route, leg, lanes_between(network, route.legs[-1], leg))
+def _onward(network: Network, route: Route, leg: Leg) -> Route:
+    """A route with a road that its last one leads to."""
+    return _extended(route, leg, lanes_between(network, route.legs[-1], leg))
 
 
 def _along(network: Network, starts: list[Route], ids: Sequence[str], file: str) -> list[Route]:
     """The routes from the starts along the roads of a list."""
     routes = _with_lanes(starts)
     for i, name in enumerate(ids, start=1):
-        onward = [one for route in routes for one in _onward(network, route)]
-        found = [one for one in onward if one.legs[-1].road.id == name]
+        ahead = [(route, leg) for route in routes for leg in next_legs(network, route.legs[-1])]
+        found = [(route, leg) for route, leg in ahead if leg.road.id == name and leg.is_drivable]
         if not found:
-            ahead = shorten(", ".join(sorted({one.legs[-1].road.id for one in onward})), MOST_NAMES_LENGTH) or "none"
+            names = sorted({leg.road.id for _, leg in ahead if leg.road.id != name})
             raise InputError(
                 f"{file}: road.route[{i}]: expected a road that road {routes[0].legs[-1].road.id} leads to, "
-                f"one of {ahead}, got {name!r}"
+                f"one of {shorten(', '.join(names), MOST_NAMES_LENGTH) or 'none'}, got {name!r}"
             )
-        routes = _with_lanes(found)
+        routes = _with_lanes([_onward(network, route, leg) for route, leg in found])
     return routes
 
 
@@ -101,12 +100,12 @@ def _with_lanes(routes: Sequence[Route]) -> list[Route]:
 def _shortest(network: Network, starts: Sequence[Route], to: str, where: str) -> Route:
     """The route of the fewest roads on which a lane runs through, by breadth-first search."""
     front, seen = [start for start in starts if start.tracks], set()
+    faults: list[str] = []
     while front:
         for route in front:
             if route.legs[-1].road.id == to:
                 return route
-        reached = [one for route in front for one in _onward(network, route) if one.tracks]
-        front = []
+        reached, front = [one for route in front for one in _ahead(network, route, faults)], []
         for route in reached:
             state = (route.legs[-1].road.id, route.legs[-1].forward, tuple(track[-1] for track in route.tracks))
             if state not in seen:
@@ -115,4 +114,17 @@ def _shortest(network: Network, starts: Sequence[Route], to: str, where: str) ->
     ids = [start.legs[0].road.id for start in starts]
     raise InputError(
         f"{where}: expected a road that a lane leads to from road {ids[0]}, without lane changes, got {to!r}"
+        + (f"; left out: {faults[0]}" if faults else "")
     )
+
+
+def _ahead(network: Network, route: Route, faults: list[str]) -> Iterator[Route]:
+    """A route with each road that a lane leads to; those with faults are left out and told."""
+    for leg in next_legs(network, route.legs[-1]):
+        try:
+            longer = _onward(network, route, leg) if leg.is_drivable else None
+        except InputError as error:
+            faults.append(str(error))
+            continue
+        if longer is not None and longer.tracks:
+            yield longer

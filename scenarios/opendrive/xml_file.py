@@ -1,6 +1,7 @@
 """Reading an OpenDRIVE file's XML: elements, numbers, and one line for what is wrong."""
 
 import math
+import re
 import xml.etree.ElementTree as ET
 from functools import lru_cache
 from pathlib import Path
@@ -8,6 +9,9 @@ from pathlib import Path
 from vpf_sim.errors import InputError, shown
 
 Element = ET.Element
+# What some programs write before the XML declaration, where XML allows nothing: comments and other instructions.
+BEFORE_DECLARATION = re.compile(rb"\A(?:\xef\xbb\xbf)?(?:\s+|<!--.*?-->|<\?(?!xml\s).*?\?>)*(?=<\?xml\s)", re.DOTALL)
+UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
 LARGEST = 1e9  # no number of a map is larger: coordinates are metres
 
 
@@ -25,10 +29,10 @@ def read(path: Path, where: str) -> Element:
 def _parsed(path: Path, changed_ns: int, size: int) -> Element:  # noqa: ARG001  # a changed file is read again
     data = path.read_bytes()
     # A document type can define entities that grow without end. UTF-16 has a zero in each of its characters.
-    if b"<!DOCTYPE" in data.replace(b"\0", b""):
-        raise InputError(f"{path}: expected XML without a document type, got <!DOCTYPE")
+    if b"<!ENTITY" in data.replace(b"\0", b""):
+        raise InputError(f"{path}: expected XML without entities of its own, got <!ENTITY")
     try:
-        root = ET.fromstring(data)
+        root = ET.fromstring(_declared_first(data))
     except (ET.ParseError, LookupError, ValueError) as error:  # the others: an encoding that Python lacks
         raise InputError(f"{path}: expected XML, got: {error}") from None
     if root.tag.startswith("{"):  # later versions may have a namespace
@@ -37,6 +41,13 @@ def _parsed(path: Path, changed_ns: int, size: int) -> Element:  # noqa: ARG001 
     if root.tag != "OpenDRIVE":
         raise InputError(f"{path}: expected the root element OpenDRIVE, got {shown(root.tag)}")
     return root
+
+
+def _declared_first(data: bytes) -> bytes | str:
+    """A file's content that begins with its XML declaration, if it has one."""
+    if not data.startswith(UTF16_MARKS):
+        return BEFORE_DECLARATION.sub(b"", data)
+    return BEFORE_DECLARATION.sub(b"", data.decode("utf-16").encode()).decode()  # text: its declaration is passed over
 
 
 def number(element: Element, key: str, where: str, default: float | None = None) -> float:
