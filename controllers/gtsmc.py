@@ -20,6 +20,7 @@ road with the curvature rate k' phi is k' v^2, which grows faster with speed tha
 the car slows down to v authority / |phi|, at which the condition holds.
 """
 
+from collections import deque
 from dataclasses import dataclass, replace
 from math import atan, copysign, exp, inf, pi, sin, tan
 from typing import Literal
@@ -27,11 +28,30 @@ from typing import Literal
 from vpf_sim import configuration
 from vpf_sim.braking import hard_excess
 from vpf_sim.configuration import setting, settings
-from vpf_sim.controllers.change_limit import ChangeLimit
 from vpf_sim.controllers.super_twisting import SuperTwisting
 from vpf_sim.errors import unknown_name
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.types import Command, Observation, Reference, VehicleModel
+
+
+class ChangeLimit:
+    """The recent acceleration commands."""
+
+    def __init__(self, limit_mps2: float, window_s: float, dt_s: float) -> None:
+        self._limit_mps2 = limit_mps2
+        self._last: deque[float] = deque(maxlen=max(1, round(window_s / dt_s)))
+
+    def reset(self) -> None:
+        """Forget the recent commands, for emergency braking."""
+        self._last.clear()
+
+    def limit(self, demand_mps2: float) -> float:
+        """m/s2, the demand clipped to the limit; call once per step."""
+        if self._last:
+            demand_mps2 = min(max(demand_mps2, max(self._last) - self._limit_mps2), min(self._last) + self._limit_mps2)
+        self._last.append(demand_mps2)
+        return demand_mps2
+
 
 STANDSTILL_MPS = 0.1
 SLOWEST_MPS = 2.0  # lowest speed for the reaching condition: less speed means less authority

@@ -13,13 +13,40 @@ import math
 from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from vpf_sim.scenarios.parts import Arc, Line, Road, Segment
 from vpf_sim.types import Floats
+
+
+class ReferenceLine(Protocol):
+    """A smooth line, extended straight beyond both ends; methods with the suffix `_at` take single points."""
+
+    length_m: float
+
+    def position(self, s_m: ArrayLike, lateral_m: ArrayLike = 0.0) -> Floats:
+        """(..., 2) m, the world points at s along the line and `lateral` right of it."""
+        ...
+
+    def heading(self, s_m: ArrayLike) -> Floats:
+        """(...) rad."""
+        ...
+
+    def curvature(self, s_m: ArrayLike) -> Floats:
+        """(...) 1/m, > 0 turns right; 0 beyond both ends."""
+        ...
+
+    def position_at(self, s_m: float, lateral_m: float) -> tuple[float, float]:
+        """`position` of one point."""
+        ...
+
+    def heading_at(self, s_m: float) -> float:
+        """`heading` at one s."""
+        ...
+
 
 NODES, WEIGHTS = (values.tolist() for values in np.polynomial.legendre.leggauss(8))
 QUADRATURE = [((1.0 + node) / 2.0, weight / 2.0) for node, weight in zip(NODES, WEIGHTS, strict=True)]  # on [0, 1]

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from vpf_sim import scenarios
 from vpf_sim.envs import camera as cameras
-from vpf_sim.envs.arguments import refuse_options, refuse_unknown
 from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.envs.camera.rig import checked_rig, preset
@@ -24,7 +23,7 @@ from vpf_sim.envs.sensor_faults import CameraFaults, SignalFaults
 from vpf_sim.envs.sensors import Sensors
 from vpf_sim.envs.window import Window
 from vpf_sim.envs.world import build_world
-from vpf_sim.errors import InputError, unknown_name
+from vpf_sim.errors import InputError, refuse_options, refuse_unknown, unknown_name
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.scenarios import AnyScenario, HighwayScenario
 from vpf_sim.timing import timed

@@ -12,12 +12,11 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from vpf_sim.envs.arguments import refuse_options, refuse_unknown
 from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.camera import weather as presets
 from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.envs.four_lane import FourLane
-from vpf_sim.errors import InputError
+from vpf_sim.errors import InputError, refuse_options, refuse_unknown
 from vpf_sim.policy_state import STATE, policy_state
 from vpf_sim.scenarios import AnyScenario
 from vpf_sim.seeding import stream

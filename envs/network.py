@@ -9,8 +9,8 @@ from typing import Any, NamedTuple, Protocol
 
 from highway_env.road.road import LaneIndex
 
+from vpf_sim.envs.centre_line import ReferenceLine
 from vpf_sim.envs.rectangles import Point
-from vpf_sim.envs.reference_line import ReferenceLine
 from vpf_sim.types import Floats
 
 Place = tuple[float, float]

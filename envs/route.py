@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vpf_sim.envs.reference_line import ReferenceLine
+from vpf_sim.envs.centre_line import ReferenceLine
 from vpf_sim.scenarios import Scenario
 from vpf_sim.types import Floats, Turn
 

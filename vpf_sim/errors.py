@@ -1,10 +1,12 @@
 """Errors of the user, one line each."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from difflib import get_close_matches
+from inspect import Parameter, signature
 from textwrap import shorten
+from typing import Any
 
 _COMMAND_LINE = ContextVar("command_line", default=False)
 
@@ -61,3 +63,16 @@ def shown(value: object) -> str:
     """A value as at most 60 characters of a line."""
     text = " ".join(line.strip() for line in repr(value).splitlines())
     return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def refuse_unknown(given: Mapping[str, Any], make: Callable[..., Any]) -> None:
+    """InputError for arguments by other names than those of `make`."""
+    parameters = signature(make).parameters.values()
+    for name in given:
+        raise unknown_name("option", name, [one.name for one in parameters if one.kind is not Parameter.VAR_KEYWORD])
+
+
+def refuse_options(options: Any) -> None:
+    """InputError for `options` of a reset: the environments have none."""
+    if options is not None and options != {}:
+        raise InputError(f"reset: options: expected none, got {shown(options)}")

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vpf_sim.errors import InputError, shown
-from vpf_sim.scenarios.opendrive.quadrature import Complexes, displacement, on_panels
+from vpf_sim.scenarios.opendrive.cubics import Complexes, displacement, on_panels
 from vpf_sim.scenarios.opendrive.xml_file import Element, number
 from vpf_sim.types import Floats
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.scenarios.opendrive.quadrature import NODES, WEIGHTS, Complexes, displacement
+from vpf_sim.scenarios.opendrive.cubics import NODES, WEIGHTS, Complexes, displacement
 from vpf_sim.scenarios.opendrive.spans import Span
 from vpf_sim.types import Floats
 

@@ -15,9 +15,8 @@ import numpy as np
 
 from vpf_sim.errors import InputError
 from vpf_sim.scenarios.opendrive.carriageway import Stretch
-from vpf_sim.scenarios.opendrive.cubics import Cubic
+from vpf_sim.scenarios.opendrive.cubics import Complexes, Cubic
 from vpf_sim.scenarios.opendrive.geometry import Geometry
-from vpf_sim.scenarios.opendrive.quadrature import Complexes
 from vpf_sim.types import Floats
 
 

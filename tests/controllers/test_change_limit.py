@@ -5,8 +5,7 @@ import pytest
 from bicycle import Bicycle
 
 from vpf_sim.braking import comfortable_speed
-from vpf_sim.controllers.change_limit import ChangeLimit
-from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
+from vpf_sim.controllers.gtsmc import ChangeLimit, Gtsmc, load_gains
 from vpf_sim.evaluation.metrics.comfort import BOUNDS, nuplan_signals
 from vpf_sim.types import Floats, Reference, VehicleModel
 

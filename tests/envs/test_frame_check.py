@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vpf_sim.envs.frame_check import frame_fault
+from vpf_sim.envs.ending import frame_fault
 from vpf_sim.types import Image
 
 SHAPE = (120, 160, 3)

@@ -9,7 +9,7 @@ import rendered_drive as rendered
 
 from vpf_sim import cli
 from vpf_sim.errors import InputError
-from vpf_sim.replay.added_faults import with_faults
+from vpf_sim.replay.added import with_faults
 from vpf_sim.replay.recording import Frame
 from vpf_sim.scenarios.parts import SensorFaults
 

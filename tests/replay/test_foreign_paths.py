@@ -9,7 +9,7 @@ import pytest
 import recorded_layouts as layouts
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import foreign_paths, readers
+from vpf_sim.replay import image_files, readers
 
 WRITTEN: dict[str, Callable[[str], str]] = {
     "relative": lambda path: path,
@@ -36,21 +36,21 @@ def table(names: list[str], column: str) -> str:
 def test_paths_are_resolved_relative_to_the_table(written: str, tmp_path: Path) -> None:
     paths = [f"center/{stamp}.jpg" for stamp in STAMPS]
     layouts.pictures(tmp_path / "center", [Path(path).name for path in paths])
-    found = foreign_paths.resolve_all(tmp_path, [WRITTEN[written](path) for path in paths], [".jpg"])
+    found = image_files.resolve_all(tmp_path, [WRITTEN[written](path) for path in paths], [".jpg"])
     assert [file.resolve() for file in found] == [(tmp_path / path).resolve() for path in paths]
 
 
 def test_image_in_another_folder_is_found_by_unique_name(tmp_path: Path) -> None:
     layouts.pictures(tmp_path / "moved" / "here", ["1.jpg", "2.jpg"])
     layouts.pictures(tmp_path / "copies", ["2.jpg"])
-    found = foreign_paths.resolve_all(tmp_path, ["/home/other/center/1.jpg", "/home/other/center/2.jpg"], [".jpg"])
+    found = image_files.resolve_all(tmp_path, ["/home/other/center/1.jpg", "/home/other/center/2.jpg"], [".jpg"])
     assert found == [tmp_path / "moved/here/1.jpg", tmp_path / "center/2.jpg"]
 
 
 @pytest.mark.parametrize("path", ["", "/", "\\", "..", "../..", "C:", "\x00", "a" * 300, "x/../../../etc/hostname"])
 def test_odd_paths_in_a_table_do_not_raise(path: str, tmp_path: Path) -> None:
-    foreign_paths.resolve(tmp_path, path)
-    assert foreign_paths.resolve_all(tmp_path, [path], [".jpg"])
+    image_files.resolve(tmp_path, path)
+    assert image_files.resolve_all(tmp_path, [path], [".jpg"])
 
 
 def test_missing_images_are_reported_and_signals_read(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ import rendered_drive as rendered
 
 from vpf_sim import cli
 from vpf_sim.envs.camera import weather as weathers
-from vpf_sim.replay import added_water, frame_table
+from vpf_sim.replay import added, frame_table
 from vpf_sim.types import Command, DriverSetup, Observation
 
 BEND_M = 100.0
@@ -140,7 +140,7 @@ def test_simulated_water_has_its_own_row(drive: Path, tmp_path: Path, capsys: py
 
 def test_simulated_water_changes_the_images() -> None:
     dry = rendered.recording(BEND_M)
-    wet = added_water.with_water(dry, weathers.load("HardRainNoon"))
+    wet = added.with_water(dry, weathers.load("HardRainNoon"))
     pairs = [(a.image, b.image) for a, b in zip(dry.frames(), wet.frames(), strict=True)][:10]
     changed = [np.mean(np.any(a != b, axis=2)) for a, b in pairs if a is not None and b is not None]
     assert 0.01 < np.median(changed) < 0.5

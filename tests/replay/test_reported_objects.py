@@ -6,7 +6,7 @@ import ideal
 import numpy as np
 import pytest
 
-from vpf_sim.replay.reported_objects import columns
+from vpf_sim.replay.frame_table import columns
 from vpf_sim.types import Camera, Obstacles, RoadEdges
 
 

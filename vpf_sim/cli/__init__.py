@@ -28,7 +28,7 @@ from vpf_sim.cli import (
     video,
     weathers,
 )
-from vpf_sim.cli.help import Command
+from vpf_sim.cli.options import Command
 from vpf_sim.errors import InputError, on_command_line
 from vpf_sim.evaluation.processes import threads
 

@@ -44,7 +44,7 @@ def drive(
     json: JsonOption = False,
 ) -> None:
     """Drive one episode; exit code 1 if it does not succeed."""
-    from vpf_sim.api import invalid_frames
+    from vpf_sim.api import filling
     from vpf_sim.api.drive import driven
 
     answer = sys.stdout
@@ -62,7 +62,7 @@ def drive(
         ) as episode,
         redirect_stdout(answer),
     ):
-        invalid_frames.warn([episode.record])
+        filling.warn([episode.record])
         _answer(episode, json)
     raise typer.Exit(0 if episode.status == "success" else 1)
 

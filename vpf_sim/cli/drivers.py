@@ -4,8 +4,15 @@ from typing import Annotated
 
 import typer
 
-from vpf_sim.cli.help import Command
-from vpf_sim.cli.options import DRIVER, JsonOption, SameJsonOption, print_json, print_validity, prints_on_stderr
+from vpf_sim.cli.options import (
+    DRIVER,
+    Command,
+    JsonOption,
+    SameJsonOption,
+    print_json,
+    print_validity,
+    prints_on_stderr,
+)
 from vpf_sim.cli.tables import print_table
 
 app = typer.Typer(help="List and show drivers; check your own.", no_args_is_help=True, rich_markup_mode=None)

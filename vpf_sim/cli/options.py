@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Annotated, Any, TextIO
 
 import typer
+from typer.core import TyperCommand
 
 from vpf_sim.errors import InputError
 
@@ -120,3 +121,21 @@ def print_validity(name: str, check: Callable[[], dict[str, str]], as_json: bool
         print_json({"ok": True, "name": name, "faults": [], **found})
     else:
         print(", ".join([f"{name}: valid", *(f"{key}: {value}" for key, value in found.items())]))
+
+
+class Command(TyperCommand):
+    """A command whose help calls an argument by its metavar; typer adds the Python type, such as <str>."""
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        sections: dict[str, list[tuple[str, str]]] = {"argument": [], "option": []}
+        for parameter in self.get_params(ctx):
+            record = parameter.get_help_record(ctx)
+            if record is None:
+                continue
+            kind, (name, text) = parameter.param_type_name, record
+            several = "..." if parameter.nargs != 1 else ""
+            sections[kind].append((f"{parameter.metavar}{several}" if kind == "argument" else name, text))
+        for kind, rows in sections.items():
+            if rows:
+                with formatter.section(f"{kind.capitalize()}s"):
+                    formatter.write_dl(rows)

@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from vpf_sim.cli.options import DriversOption, JsonOption, WorkersOption, located, print_json, prints_on_stderr
+from vpf_sim.cli.tables import number, percent, percent_within, print_table, within
 
 if TYPE_CHECKING:
     from vpf_sim.evaluation.perception.replay import StoredDrive
+
 
 RunsArgument = Annotated[
     list[Path] | None,
@@ -37,7 +39,6 @@ def perception(
 
     Their frames are rendered again, and the detections are compared with the ground truth.
     """
-    from vpf_sim.cli.perception_tables import print_differences, print_totals
     from vpf_sim.evaluation.perception import measure, poses, store
     from vpf_sim.evaluation.sweeps.sweep import default_workers
 
@@ -64,7 +65,7 @@ def _fixed_set(workers: int | None) -> Path:
     """The run folder of the fixed set, which is driven first if it is incomplete."""
     from vpf_sim.api.execution import Execution
     from vpf_sim.api.progress import say
-    from vpf_sim.cli.running import fill
+    from vpf_sim.cli.run_options import fill
     from vpf_sim.evaluation.perception import poses
     from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, read_records
 
@@ -104,3 +105,110 @@ def _print_remarks(records: list[dict[str, Any]]) -> None:
     """Print how replayed drives deviate from the stored ones."""
     for name, remark in sorted({(record["drive"], remark) for record in records for remark in record["remarks"]}):
         print(f"{name}: {remark}")
+
+
+Row = dict[str, Any]
+RATE = "false_positives_per_minute"
+OF_DETECTIONS = ("distance_error_m", "left_error_m", "right_error_m", "speed_error_mps")
+ERROR_LABELS = ("distance m", "left m", "right m", "speed m/s")
+DIFFERENCES = {  # label, digits, scale
+    "recall": ("recall at due distance, %", 1, 100.0),
+    "precision": ("precision, %", 1, 100.0),
+    RATE: ("false positives a minute", 2, 1.0),
+    "distance_error_m": ("distance error, m", 3, 1.0),
+    "left_error_m": ("left side error, m", 3, 1.0),
+    "right_error_m": ("right side error, m", 3, 1.0),
+    "speed_error_mps": ("speed error, m/s", 3, 1.0),
+    "edge_error_m": ("edge error at 10 m, m", 4, 1.0),
+    "lane_error_m": ("lane error at 10 m, m", 4, 1.0),
+    "foe_error_px": ("FOE error, px", 3, 1.0),
+}
+
+
+def print_totals(totals: list[Row]) -> None:
+    """Print metrics by driver and weather, then by kind and by distance."""
+    print_table(
+        ("", "drives", "objects", "recall %", "precision %", "false pos./min"), [_detection_row(row) for row in totals]
+    )
+    print("\nErrors of correct detections, median / 95th percentile:\n")
+    print_table(("", *ERROR_LABELS), [(_name(row), *_errors(row)) for row in totals])
+    print("\nErrors of road and focus of expansion (FOE), median / 95th percentile:\n")
+    print_table(("", "edges at 10 m, m", "lane at 10 m, m", "FOE px"), [_frame_row(row) for row in totals])
+    for row in _single(totals):
+        print(f"\n{_name(row)}, by kind:\n")
+        header = ("", "objects", "recall %", "confirmed at m", *ERROR_LABELS)
+        print_table(header, [(kind, *_kind_row(one)) for kind, one in row["by_kind"].items()])
+        print(f"\n{_name(row)}, by distance from the bumper:\n")
+        header = ("m", "recall %", "precision %", "false pos./min", *ERROR_LABELS)
+        print_table(header, [_band_row(one) for one in row["by_distance"]])
+    print("\nRecall: objects met in the corridor that were confirmed 15 m before (cones 10, pallets 6);")
+    print("by distance: at the nearer end of the band or farther. Precision and false positives are means")
+    print("over the drives. [95 % intervals]")
+
+
+def print_differences(differences: list[Row]) -> None:
+    """Print paired differences between drivers or versions."""
+    for found in differences:
+        print(f"\n{found['driver']} minus {found['minus']}, {_weather(found)}, {found['drives']} drives:\n")
+        print_table(
+            ("figure", "difference", "95 % interval", "p", "pairs"),
+            [(label, *_difference(found[key], digits, scale)) for key, (label, digits, scale) in DIFFERENCES.items()],
+        )
+    if differences:
+        print("\nRecall: paired by object (McNemar's test). All else: paired by drive (sign flips); errors by their")
+        print("medians.")
+
+
+def _single(totals: list[Row]) -> list[Row]:
+    """Only single weathers: kinds and distances of all weathers together say little."""
+    return [row for row in totals if row["weather"] != "all"]
+
+
+def _weather(row: Row) -> str:
+    return "all weathers" if row["weather"] == "all" else str(row["weather"])
+
+
+def _name(row: Row) -> str:
+    return f"{row['driver']}, {_weather(row)}"
+
+
+def _detection_row(row: Row) -> tuple[str, ...]:
+    ends = row["intervals"]
+    return (
+        _name(row),
+        str(row["drives"]),
+        str(row["bodies_met"]),
+        percent_within(row["recall"], ends["recall"]),
+        percent_within(row["precision"], ends["precision"]),
+        within(row[RATE], ends[RATE]),
+    )
+
+
+def _frame_row(row: Row) -> tuple[str, ...]:
+    edges, lane = (_spread(row[key], 3) for key in ("edge_error_m", "lane_error_m"))
+    return _name(row), edges, lane, _spread(row["foe_error_px"], 1)
+
+
+def _kind_row(row: Row) -> tuple[str, ...]:
+    return (str(row["bodies_met"]), percent(row["recall"]), number(row["first_confirmed_m"], 1), *_errors(row))
+
+
+def _band_row(row: Row) -> tuple[str, ...]:
+    band = f"{row['from_m']:.0f}-{row['to_m']:.0f}" if row["to_m"] is not None else f"{row['from_m']:.0f}-"
+    return (band, percent(row["recall"]), percent(row["precision"]), number(row[RATE]), *_errors(row))
+
+
+def _errors(row: Row) -> tuple[str, ...]:
+    return tuple(_spread(row[key], 2) for key in OF_DETECTIONS)
+
+
+def _spread(error: Row | None, digits: int) -> str:
+    return "-" if error is None else f"{number(error['median'], digits)} / {number(error['p95'], digits)}"
+
+
+def _difference(found: Row | None, digits: int, scale: float) -> tuple[str, ...]:
+    if found is None:
+        return "-", "-", "-", "0"
+    ends = found["interval"]
+    interval = "-" if ends is None else f"[{', '.join(f'{scale * end:+.{digits}f}' for end in ends)}]"
+    return f"{scale * found['difference']:+.{digits}f}", interval, number(found["p"], 3), str(found["pairs"])

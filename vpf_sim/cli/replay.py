@@ -1,8 +1,10 @@
 """`vpf-sim replay`: run a driver open loop on recorded drives."""
 
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -17,7 +19,7 @@ from vpf_sim.cli.options import (
     print_json,
     prints_on_stderr,
 )
-from vpf_sim.cli.tables import in_one_line
+from vpf_sim.cli.tables import in_one_line, print_table
 from vpf_sim.errors import InputError
 from vpf_sim.files import file_name
 from vpf_sim.shell import command
@@ -25,6 +27,8 @@ from vpf_sim.shell import command
 if TYPE_CHECKING:
     from vpf_sim.replay.recording import Recording
     from vpf_sim.replay.replay_folder import ReplayFolder
+    from vpf_sim.replay.tables import Table
+
 
 DrivesArgument = Annotated[
     list[Path],
@@ -132,7 +136,7 @@ def _read(paths: list[Path]) -> "tuple[dict[str, tuple[Path, Recording]], int]":
 
 def _with_water(recordings: "dict[str, tuple[Path, Recording]]", weather: str) -> "dict[str, tuple[Path, Recording]]":
     from vpf_sim.envs.camera import weather as weathers
-    from vpf_sim.replay.added_water import with_water
+    from vpf_sim.replay.added import with_water
 
     loaded = weathers.load(weather)
     return {name: (path, with_water(recording, loaded)) for name, (path, recording) in recordings.items()}
@@ -140,7 +144,7 @@ def _with_water(recordings: "dict[str, tuple[Path, Recording]]", weather: str) -
 
 def _with_faults(recordings: "dict[str, tuple[Path, Recording]]", scenario: str) -> "dict[str, tuple[Path, Recording]]":
     from vpf_sim import scenarios
-    from vpf_sim.replay.added_faults import with_faults
+    from vpf_sim.replay.added import with_faults
 
     faults = scenarios.load(scenario).ego.sensor_faults
     return {name: (path, with_faults(recording, faults)) for name, (path, recording) in recordings.items()}
@@ -167,7 +171,7 @@ def _with_unique_names(found: "list[tuple[Path, Recording]]") -> "dict[str, tupl
 
 def _replay_all(folder: "ReplayFolder", driver: str, recordings: "list[Recording]", video: bool) -> int:
     """Replay each drive that lacks a record or its video; the worst exit code."""
-    from vpf_sim.replay.run_files import video_path
+    from vpf_sim.replay.frame_table import video_path
 
     code = 0
     for recording in recordings:
@@ -179,7 +183,7 @@ def _replay_all(folder: "ReplayFolder", driver: str, recordings: "list[Recording
 
 def _replay_one(folder: "ReplayFolder", driver: str, recording: "Recording", video: bool) -> int:
     from vpf_sim import process_state
-    from vpf_sim.replay import driver_error, open_loop
+    from vpf_sim.replay import open_loop, open_loop_driver
 
     try:
         with prints_on_stderr(), process_state.preserved():
@@ -190,7 +194,7 @@ def _replay_one(folder: "ReplayFolder", driver: str, recording: "Recording", vid
     except OSError:
         raise
     except Exception as error:  # the driver's own; go on with the other drives
-        _print_fault(f"{recording.name}: error: at {driver_error.place(error)}: {driver_error.what(error)}")
+        _print_fault(f"{recording.name}: error: at {open_loop_driver.place(error)}: {open_loop_driver.what(error)}")
         return 1
     if (fault := record["error"]) is not None:
         where = f"frame {fault['frame']} of {len(recording)}, at {fault['place']}: {fault['what']}"
@@ -222,7 +226,6 @@ def _progress(name: str) -> Any:
 
 
 def _report(folder: "ReplayFolder", summary: dict[str, Any], as_json: bool) -> None:
-    from vpf_sim.cli import replay_tables
     from vpf_sim.replay import page
     from vpf_sim.replay.tables import tables
 
@@ -231,5 +234,19 @@ def _report(folder: "ReplayFolder", summary: dict[str, Any], as_json: bool) -> N
     if as_json:
         print_json({"out": str(folder.path), "report": str(path), "drives": records, "timing": timing, **summary})
     else:
-        replay_tables.print_all(tables(records, timing, summary))
+        print_all(tables(records, timing, summary))
         print(f"\nplots and videos: {path}\nframes and records: {folder.path}")
+
+
+WIDTH = 120  # of a note
+
+
+def print_all(tables: "Sequence[Table]") -> None:
+    """Print each table with its notes."""
+    for number, table in enumerate(tables):
+        print(("\n" if number else "") + table.title + "\n")
+        print_table(table.header, table.rows, table.words)
+        if table.notes:
+            print()
+        for note in table.notes:
+            print(fill(note, WIDTH, subsequent_indent="  ", break_long_words=False))

@@ -18,7 +18,7 @@ def reproduce(run: RunOptions, driver: DriverOption = "vpf-paper") -> None:
     """
     from vpf_sim.cli.options import prints_on_stderr
     from vpf_sim.cli.results import exit_code, read_summary
-    from vpf_sim.cli.running import fill, plan_of
+    from vpf_sim.cli.run_options import fill, plan_of
     from vpf_sim.evaluation.analysis import reproduction
     from vpf_sim.reporting import paper_page
     from vpf_sim.reporting.stored_run import open_run

@@ -4,7 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import wraps
 from inspect import Parameter, Signature, signature
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from vpf_sim.api.execution import Execution
 from vpf_sim.cli.options import (
@@ -16,7 +17,13 @@ from vpf_sim.cli.options import (
     SeedsOption,
     TimeoutOption,
     WorkersOption,
+    prints_on_stderr,
 )
+from vpf_sim.errors import InputError
+
+if TYPE_CHECKING:
+    from vpf_sim.evaluation.sweeps.plan import Plan
+
 
 OPTIONS: dict[str, Any] = {
     "seeds": SeedsOption,
@@ -58,3 +65,27 @@ def with_run_options(command: Callable[..., None]) -> Callable[..., None]:
     wrapper.__signature__ = Signature([*own, *shared])  # type: ignore[attr-defined]
     wrapper.__annotations__ = {one.name: one.annotation for one in (*own, *shared)}
     return wrapper
+
+
+def plan_of(run: RunOptions, asked: bool, make: "Callable[[], Plan]") -> "Plan":
+    """The plan that `make` returns, or the stored one where a run is resumed and nothing else was asked."""
+    from vpf_sim.evaluation.run_inputs import RunInputs
+    from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, read_manifest, stored_plan
+    from vpf_sim.evaluation.sweeps.seeds import parse_seeds
+
+    if run.seeds is not None:
+        parse_seeds(run.seeds)
+    if not run.resume or asked or run.out is None or not run.out.exists():
+        return make()
+    if not (run.out / MANIFEST).exists():
+        raise InputError(f"{run.out}: --resume: expected the {MANIFEST} of a run, found none; name what to drive")
+    RunInputs.of(run.out, read_manifest(run.out)).check_here("--resume")
+    return stored_plan(run.out)
+
+
+def fill(command: str, plan: "Plan", run: Execution) -> Path:
+    """Drive the missing episodes of a plan, write the summary, and return the run folder."""
+    from vpf_sim.api import filling
+
+    with prints_on_stderr():
+        return filling.fill(command, plan, run)

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vpf_sim.cli.help import Command
 from vpf_sim.cli.options import (
+    Command,
     FileArgument,
     JsonOption,
     SameJsonOption,

@@ -27,7 +27,7 @@ def score(run: RunArgument, json: JsonOption = False) -> None:
 
 
 def _print(done: "Rescored") -> None:
-    from vpf_sim.cli.benchmark_table import print_benchmark
+    from vpf_sim.cli.benchmark import print_benchmark
     from vpf_sim.cli.results import print_comparisons, print_rows
 
     if done.command == "benchmark":

@@ -1,12 +1,17 @@
 """`vpf-sim sweep`: a grid of scenarios, weathers, drivers and seeds."""
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vpf_sim.cli.options import DriversOption, ScenariosOption, WeathersOption, print_json
-from vpf_sim.cli.run_options import RunOptions, with_run_options
+from vpf_sim.cli.options import DriversOption, ScenariosOption, WeathersOption, print_json, prints_on_stderr
+from vpf_sim.cli.run_options import RunOptions, fill, plan_of, with_run_options
+from vpf_sim.cli.tables import print_table
 from vpf_sim.shell import command
+
+if TYPE_CHECKING:
+    from vpf_sim.evaluation.sweeps.plan import Plan
+
 
 FileArgument = Annotated[
     str | None,
@@ -32,9 +37,7 @@ def sweep(
 
     With --resume alone, the grid is the one stored in the folder.
     """
-    from vpf_sim.cli.dry_run import print_plan
     from vpf_sim.cli.results import exit_code, print_comparisons, print_rows, read_summary
-    from vpf_sim.cli.running import fill, plan_of
     from vpf_sim.evaluation.sweeps.plan import Plan, make_plan, read_plan
 
     given = {"scenario": scenario, "weather": weather, "driver": driver, "seeds": run.seeds}
@@ -59,3 +62,36 @@ def sweep(
         print(f"\nrecords and steps: {path}")
         print(f"as a page: {command('report', path)}")
     raise typer.Exit(exit_code(summary))
+
+
+def print_plan(plan: "Plan", run: RunOptions) -> None:
+    """Check a plan as a sweep would, and print its cells and episodes without driving or writing."""
+    from vpf_sim.evaluation.sweeps.run_folder import admitted, manifest, read_records
+    from vpf_sim.evaluation.sweeps.seeds import seeds_text
+
+    run.check(plan)
+    with prints_on_stderr():
+        asked = manifest("sweep", plan)
+    done: set[str] = set()
+    if run.out is not None:
+        admitted(run.out, asked, run.resume, run.mixed)
+        done = {record["id"] for record in read_records(run.out)} if run.resume else set()
+    cells: dict[tuple[str, str, str], list[int]] = {}
+    for job in plan.jobs():
+        if job.id not in done:
+            cells.setdefault((job.scenario, job.weather, job.driver), []).append(job.seed)
+    episodes = sum(map(len, cells.values()))
+    if run.json:
+        keys = ("scenario", "weather", "driver", "seeds")
+        rows = [dict(zip(keys, (*cell, seeds), strict=True)) for cell, seeds in cells.items()]
+        print_json({"episodes": episodes, "stored": len(done), "cells": rows})
+        return
+    lines = [(*cell, str(len(seeds)), seeds_text(seeds, "--seeds")) for cell, seeds in cells.items()]
+    print_table(("scenario", "weather", "driver", "episodes", "seeds"), lines, words=3)
+    stored = f", {len(done)} are stored" if run.resume else ""
+    to_drive = f"{_counted(episodes, 'episode')} to drive in {_counted(len(cells), 'cell')}"
+    print(f"\n{to_drive}{stored}; nothing was driven or written")
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}" + "s" * (count != 1)

@@ -3,8 +3,7 @@
 Naming the drivers loads none of them: planners and controllers are imported when a driver is created.
 """
 
-from vpf_sim.drivers.idm import IdmDriver
-from vpf_sim.drivers.neutral import NeutralDriver
+from vpf_sim.drivers.baselines import IdmDriver, NeutralDriver, RouteDriver
 from vpf_sim.drivers.own import DriverLike, OwnDriver, admit, is_importable, name_of
 from vpf_sim.drivers.protocol import command_of, needs_next_frame, perception_of, trace_of, uses_images
 from vpf_sim.drivers.registry import (
@@ -18,7 +17,6 @@ from vpf_sim.drivers.registry import (
     model_of,
     names,
 )
-from vpf_sim.drivers.route_followers import RouteDriver
 from vpf_sim.drivers.vision_driver import VisionDriver
 
 __all__ = [

@@ -7,10 +7,8 @@ from pathlib import Path
 
 from vpf_sim import process_state
 from vpf_sim.drivers import own, own_names
+from vpf_sim.drivers.baselines import IdmDriver, NeutralDriver, RouteDriver
 from vpf_sim.drivers.expert import ExpertDriver
-from vpf_sim.drivers.idm import IdmDriver
-from vpf_sim.drivers.neutral import NeutralDriver
-from vpf_sim.drivers.route_followers import RouteDriver
 from vpf_sim.drivers.vision_driver import VisionDriver
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.types import Driver, Privilege

@@ -12,8 +12,8 @@ import cv2
 import numpy as np
 
 from vpf_sim import drivers, scenarios
+from vpf_sim.envs.ending import frame_fault
 from vpf_sim.envs.four_lane import FourLane
-from vpf_sim.envs.frame_check import frame_fault
 from vpf_sim.evaluation.episode.episode import roll_out
 from vpf_sim.evaluation.processes import pool
 from vpf_sim.evaluation.processes.threads import limit_opencv

@@ -7,9 +7,8 @@ import numpy as np
 
 from vpf_sim.files import file_name
 from vpf_sim.replay import camera_fixed_points, drive_warnings, scores
-from vpf_sim.replay.driver_error import DriverError
 from vpf_sim.replay.frame_table import FrameRow, FrameTable
-from vpf_sim.replay.open_loop_driver import OpenLoopDriver
+from vpf_sim.replay.open_loop_driver import DriverError, OpenLoopDriver
 from vpf_sim.replay.recording import Recording
 from vpf_sim.replay.segments import goal_text
 from vpf_sim.types import Floats

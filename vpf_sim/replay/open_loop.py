@@ -19,22 +19,18 @@ from vpf_sim.planning import variant
 from vpf_sim.replay import (
     camera_fixed_points,
     drive_record,
-    driver_error,
     frame_table,
-    reported_objects,
     road_speed,
     scores,
 )
 from vpf_sim.replay.drive_record import Accumulated
 from vpf_sim.replay.drive_video import DriveVideo
-from vpf_sim.replay.driver_error import DriverError
 from vpf_sim.replay.flow_derotation import EgoMotion, FlowDerotation
-from vpf_sim.replay.frame_table import FrameRow, FrameTable
+from vpf_sim.replay.frame_table import FrameRow, FrameTable, table_path, video_path
 from vpf_sim.replay.model_vehicle import Interval
 from vpf_sim.replay.obstacles_ahead import LeadVehicle, has_obstacle_in_corridor
-from vpf_sim.replay.open_loop_driver import Decision, OpenLoopDriver, open_loop_driver
+from vpf_sim.replay.open_loop_driver import Decision, DriverError, OpenLoopDriver, at_frame, open_loop_driver
 from vpf_sim.replay.recording import Recording
-from vpf_sim.replay.run_files import table_path, video_path
 from vpf_sim.replay.segments import Segment, route, segments
 from vpf_sim.types import Camera, Command, Driver, DriverSetup, Image, Observation, VehicleModel
 
@@ -133,13 +129,13 @@ def _rows(
         if k == segment.stop:
             segment, number = next(parts), number + 1
             if driver is not None:
-                with driver_error.at_frame(k):
+                with at_frame(k):
                     driver.begin(segment)
         moved_m += _step_m(recording, k)
         row = _recorded(recording, k, number)
         if image is not None and driver is not None:
             began = thread_time()
-            with driver_error.at_frame(k):
+            with at_frame(k):
                 decision = driver.decide(_observation(recording, k, image, taken_s, segment), _interval(recording, k))
             clock.driver_ms.append(1e3 * (thread_time() - began))
             last = _hold_if_uncertain(decision, last, row.speed_mps)
@@ -252,7 +248,7 @@ def _perception_columns(decision: Decision, camera: Camera) -> dict[str, float]:
         "road_found": nan if decision.road_found is None else float(decision.road_found),
         "road_confidence": perceived.road.lane_confidence,
         "obstacle_detected": float(has_obstacle_in_corridor(perceived)),
-        **reported_objects.columns(perceived, camera),
+        **frame_table.columns(perceived, camera),
         "lane_m": perceived.road.lane_m if decision.road_found else nan,
         "lane_width_m": perceived.road.lane_width_m if decision.road_found else nan,
         "foe_x_px": perceived.expansion.x_px if usable else nan,

@@ -1,5 +1,7 @@
 """Drivers on recordings: vision drivers steer a model vehicle, others get the recorded state."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
@@ -9,6 +11,7 @@ from vpf_sim import drivers
 from vpf_sim.controllers.gtsmc import Gains
 from vpf_sim.drivers import VisionDriver
 from vpf_sim.drivers.perceiver import Perceiver
+from vpf_sim.errors import InputError
 from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.planning.paper.planner import PaperPlan
 from vpf_sim.planning.planner import create_planner
@@ -150,3 +153,43 @@ class ModelVehicleDriver:
         if isinstance(extra, LanePlan | PaperPlan):
             extra = replace(extra, lane=replace(extra.lane, y_m=-middle))
         return Plan(replace(perception, road=road), plan.force, plan.reference, extra)
+
+
+class DriverError(Exception):
+    """The driver raised at a frame; the exception itself is its cause."""
+
+    def __init__(self, frame: int, error: BaseException) -> None:
+        self.frame = frame
+        self.error = error
+        super().__init__(f"frame {frame}, at {place(error)}: {what(error)}")
+
+    def entry(self) -> dict[str, Any]:
+        """The `error` of the drive's record."""
+        return {"frame": self.frame, "place": place(self.error), "what": what(self.error)}
+
+
+@contextmanager
+def at_frame(frame: int) -> Iterator[None]:
+    """Turn exceptions other than InputError into a DriverError at this frame."""
+    try:
+        yield
+    except InputError:
+        raise
+    except (Exception, SystemExit) as error:
+        raise DriverError(frame, error) from error
+
+
+def place(error: BaseException) -> str:
+    """Module, line and function where an exception was raised."""
+    trace = error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    if trace is None:
+        return "an unknown place"
+    code = trace.tb_frame
+    return f"{code.f_globals.get('__name__', code.f_code.co_filename)}:{trace.tb_lineno} in {code.f_code.co_name}"
+
+
+def what(error: BaseException) -> str:
+    """The exception in one line."""
+    return " ".join(f"{type(error).__name__}: {error}".split())

@@ -1,5 +1,6 @@
 """The HTML page of a replay: the drives, the user's own first, then tables; it opens offline."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -8,12 +9,13 @@ from markupsafe import Markup
 
 from vpf_sim.files import write_text
 from vpf_sim.replay import frame_table
-from vpf_sim.replay.answer import drive_of, title
+from vpf_sim.replay.frame_table import table_path, video_path
 from vpf_sim.replay.plots import OURS, THEIRS, plots
 from vpf_sim.replay.readers import general
-from vpf_sim.replay.run_files import table_path, video_path
 from vpf_sim.replay.tables import tables
 from vpf_sim.reporting import video as videos
+from vpf_sim.reporting.answer import listed
+from vpf_sim.reporting.cells import formatted
 from vpf_sim.reporting.pictures import data_uri, jpeg
 from vpf_sim.reporting.templates import render
 
@@ -66,3 +68,28 @@ def _video(folder: Path, file: Path) -> tuple[str, str, bool]:
     if file.stat().st_size > MOST_INSIDE_BYTES:
         return file.relative_to(folder).as_posix(), poster, True
     return data_uri("video/mp4", file.read_bytes()), poster, False
+
+
+def title(records: Sequence[dict[str, Any]]) -> str:
+    """What the page shows: "What vpf commands on my_drive"."""
+    if not records:
+        return "No drive was replayed"
+    return f"What {records[0]['driver']} commands on {listed([record['name'] for record in records])}"
+
+
+def drive_of(record: dict[str, Any]) -> str:
+    """Length of a drive, and the agreement of throttle and steering with the human's."""
+    seconds = record["frames"] / record["rate_hz"] if record["rate_hz"] else 0.0
+    length = f"{record['frames']} frames, {seconds:.0f} s"
+    scores = record["accuracy"]
+    if record["error"] is not None:
+        return f"{length}: the driver failed at frame {record['error']['frame']}; not scored."
+    if scores is None:
+        return f"{length}: not scored, as nobody drove."
+    found = [_agreement(scores, signal) for signal in ("steering", "throttle") if scores[signal] is not None]
+    return f"{length}: {'; '.join(found) or 'not scored, as the human commands are not known'}."
+
+
+def _agreement(scores: dict[str, Any], signal: str) -> str:
+    own, idle = (formatted(one[signal]["range"], 1, percent=True) for one in (scores, scores["idle"]))
+    return f"{signal} agrees with the human's to {own} % (a driver that does nothing: {idle} %)"

@@ -7,8 +7,7 @@ from typing import Any
 import pytest
 
 from vpf_sim.cli.results import exit_code, print_comparisons, print_rows
-from vpf_sim.cli.run_options import RunOptions
-from vpf_sim.cli.running import plan_of
+from vpf_sim.cli.run_options import RunOptions, plan_of
 from vpf_sim.evaluation.analysis import benchmark
 
 

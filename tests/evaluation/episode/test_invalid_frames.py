@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from short_scenario import write_short
 
-from vpf_sim.api import invalid_frames
+from vpf_sim.api import filling
 from vpf_sim.evaluation.sweeps.json_lines import read_lines
 
 BREAKING = """
@@ -61,13 +61,13 @@ def record(number: int, **changes: Any) -> dict[str, Any]:
 
 
 def test_only_invalid_frames_are_warned_of(capsys: pytest.CaptureFixture[str]) -> None:
-    invalid_frames.warn([record(1, status="success", invalid_frame=None), record(2, status="error")])
+    filling.warn([record(1, status="success", invalid_frame=None), record(2, status="error")])
     assert capsys.readouterr().err == ""
 
 
 def test_many_warnings_are_counted(capsys: pytest.CaptureFixture[str]) -> None:
-    invalid_frames.warn(record(number) for number in range(invalid_frames.MOST + 5))
+    filling.warn(record(number) for number in range(filling.MOST + 5))
     lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == invalid_frames.MOST + 2
+    assert len(lines) == filling.MOST + 2
     assert lines[0].startswith("vpf-sim: WARNING: town04.0: invalid frame 3, at 0.050 s: the same as the one before")
     assert lines[-2] == "vpf-sim: WARNING: and 5 more episodes with an invalid frame"

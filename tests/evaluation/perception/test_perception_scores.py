@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from perceived_road import LANE_M, RATE_HZ, SPEED_MPS, Seen, Stands, Told, drive, perfect, truth
 
-from vpf_sim.cli.perception_tables import print_differences, print_totals
+from vpf_sim.cli.perception import print_differences, print_totals
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.perception import comparison, scores
 from vpf_sim.evaluation.perception.store import Record

@@ -10,7 +10,7 @@ import pytest
 
 from vpf_sim import system
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.sweeps import folder_lock, run_folder
+from vpf_sim.evaluation.sweeps import run_folder
 from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, RunFolder, located
 from vpf_sim.replay import replay_folder
 from vpf_sim.replay.replay_folder import ReplayFolder
@@ -50,7 +50,7 @@ def test_a_folder_is_locked_until_its_files_are_removed(tmp_path: Path, monkeypa
     def watched(path: Path, missing_ok: bool = False) -> None:
         if path.parent == folder.path and path.exists():
             with pytest.raises(InputError, match="in use by another run"):
-                folder_lock.locked(folder.path)
+                run_folder.locked(folder.path)
             removed.append(path.name)
         unlink(path, missing_ok)
 
@@ -65,9 +65,9 @@ def test_on_windows_a_folder_is_removed_as_well(tmp_path: Path, monkeypatch: pyt
     folder, unlink = RunFolder(tmp_path / "run", ASKED), Path.unlink
 
     def refused(path: Path, missing_ok: bool = False) -> None:
-        if path.name == folder_lock.LOCK:
+        if path.name == run_folder.LOCK:
             try:
-                folder_lock.locked(path.parent).release()
+                run_folder.locked(path.parent).release()
             except InputError:
                 raise PermissionError(13, "used by another process", str(path)) from None
         unlink(path, missing_ok)
@@ -81,7 +81,7 @@ def test_on_windows_a_folder_is_removed_as_well(tmp_path: Path, monkeypatch: pyt
 @pytest.mark.parametrize("lock", [filelock.FileLock, filelock.SoftFileLock])
 def test_a_lock_with_content_is_no_file_of_the_user(lock: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """On file systems without locks, the holder's process is written into the file."""
-    monkeypatch.setattr(folder_lock, "FileLock", lock)
+    monkeypatch.setattr(run_folder, "FileLock", lock)
     if lock is filelock.FileLock:
         (tmp_path / ".lock").write_text("4194304\nsome-host\n")
     folder = RunFolder(tmp_path, ASKED)

@@ -232,7 +232,7 @@ def test_a_run_folder_has_one_run_at_a_time(tmp_path: Path) -> None:
 HOLD = """
 import sys, time
 from pathlib import Path
-from vpf_sim.evaluation.sweeps.folder_lock import locked
+from vpf_sim.evaluation.sweeps.run_folder import locked
 lock = locked(Path(sys.argv[1]))
 print("held", flush=True)
 time.sleep(600)

@@ -1,5 +1,6 @@
 """Worker processes with timeouts; a task whose worker died or hung is retried once."""
 
+import faulthandler
 import multiprocessing
 import os
 import signal
@@ -8,7 +9,7 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from math import inf
+from math import inf, isfinite
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -19,8 +20,23 @@ from types import ModuleType
 from typing import Any, Generic, TypeVar
 
 from vpf_sim.errors import InputError, option
-from vpf_sim.evaluation.processes import watchdog
 from vpf_sim.evaluation.processes.threads import limit_opencv, limited_environment
+
+
+@contextmanager
+def at_most(limit_s: float, log: int) -> Iterator[None]:
+    """A context that ends the process after `limit_s`; the stack at that time or at a crash is written to `log`.
+
+    A process has one watchdog, so contexts must not nest or overlap.
+    """
+    faulthandler.enable(log)
+    if isfinite(limit_s):
+        faulthandler.dump_traceback_later(limit_s, exit=True, file=log)
+    try:
+        yield
+    finally:
+        faulthandler.cancel_dump_traceback_later()
+
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -217,7 +233,7 @@ def _serve(connection: Connection, log_file: str, work: Callable[[Any], Any]) ->
             return
         connection.send(_Started())
         try:
-            with watchdog.at_most(limit_s, log):
+            with at_most(limit_s, log):
                 answer = work(task)
         except Exception as error:
             answer = error

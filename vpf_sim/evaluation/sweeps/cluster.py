@@ -19,7 +19,7 @@ from uuid import uuid4
 from vpf_sim.errors import InputError, option
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.processes import watchdog
+from vpf_sim.evaluation.processes import pool
 from vpf_sim.evaluation.processes.pool import ATTEMPTS, Done
 from vpf_sim.evaluation.processes.threads import limit_opencv
 from vpf_sim.evaluation.sweeps import sweep
@@ -189,7 +189,7 @@ def _drive(
         _compare(worker, own, asked)
     _check_inputs(worker, job, asked)
     limit_opencv()
-    with watchdog.at_most(limit_s, 2):
+    with pool.at_most(limit_s, 2):
         record, timing, table = sweep.drive(None if own == asked["fingerprint"] else digest(own), job)
     return record, {**timing, "worker": worker}, table
 

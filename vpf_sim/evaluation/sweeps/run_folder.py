@@ -9,13 +9,14 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+from filelock import FileLock, Timeout
+
 from vpf_sim import system
 from vpf_sim.errors import InputError, option
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.records import failed
 from vpf_sim.evaluation.run_inputs import INPUTS, contents
 from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint, forget_code
-from vpf_sim.evaluation.sweeps.folder_lock import LOCK, locked
 from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
 from vpf_sim.evaluation.sweeps.plan import Plan, make_plan
 from vpf_sim.evaluation.sweeps.schema import Manifest, Record, checked
@@ -260,3 +261,18 @@ def change(before: Any, after: Any) -> str:
 def _short(value: Any) -> str:
     text = json.dumps(value)
     return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+LOCK = ".lock"  # an empty file in the folder; it may stay, since removing it while others wait is a race
+
+
+def locked(folder: Path) -> FileLock:
+    """Lock the folder until `release` or the end of the process; InputError if another run holds it."""
+    lock = FileLock(folder / LOCK)
+    try:
+        lock.acquire(blocking=False)
+    except Timeout:
+        raise InputError(f"{folder}: in use by another run") from None
+    except NotImplementedError:
+        raise InputError(f"{folder}: expected a file system with locks, got one without") from None
+    return lock

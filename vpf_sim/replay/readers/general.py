@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import assemble, drive_file, foreign_paths, image_files, video_file
+from vpf_sim.replay import assemble, drive_file, image_files, video_file
 from vpf_sim.replay.drive_file import CameraKeys, DriveFile, SignalKeys
 from vpf_sim.replay.readers import general_signals
 from vpf_sim.replay.recording import Frame, Origin, Recording
@@ -52,7 +52,7 @@ def read_video(path: Path) -> Recording:
 
 def _recording(folder: Path, drive: DriveFile, source_frames: _FrameSource) -> Recording:
     keys, signals = drive.camera, drive.signals or SignalKeys()
-    table = foreign_paths.resolve(folder, signals.file)
+    table = image_files.resolve(folder, signals.file)
     source = assemble.Source(
         name=drive.name or folder.resolve().name,
         layout=LAYOUT,
@@ -80,7 +80,7 @@ def _recording(folder: Path, drive: DriveFile, source_frames: _FrameSource) -> R
 
 def _find_frames(folder: Path, drive: DriveFile) -> _FrameSource:
     if drive.frames:
-        path = foreign_paths.resolve(folder, drive.frames)
+        path = image_files.resolve(folder, drive.frames)
         if path.is_dir():
             return _from_images(path, drive, folder)
         if not path.exists():

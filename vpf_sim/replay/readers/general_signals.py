@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import assemble, derived, foreign_paths, gps, plausible, series
+from vpf_sim.replay import assemble, derived, gps, image_files, plausible, series
 from vpf_sim.replay.drive_file import SignalKeys, VehicleKeys
 from vpf_sim.types import Floats
 
@@ -114,7 +114,7 @@ def image_rows(table: series.Table) -> dict[str, int]:
     """The row of each image by its file name; folders are those of the recording machine."""
     rows: dict[str, int] = {}
     for row, cell in enumerate(table.texts(FILE)):
-        name = foreign_paths.name_of(cell)
+        name = image_files.name_of(cell)
         if name and name in rows:
             lines = f"{table.lines[rows[name]]} and {table.lines[row]}"
             raise InputError(f"{table.file}: {FILE}: expected one row for {name}, found lines {lines}")
@@ -130,7 +130,7 @@ def _row(table: series.Table, rows: dict[str, int], name: str) -> int:
 
 def frame_times(folder: Path, keys: SignalKeys, names: tuple[str, ...], notes: list[str]) -> Floats | None:
     """(N,) s, times of the images by the table's rows; None if it has none."""
-    file = foreign_paths.resolve(folder, keys.file)
+    file = image_files.resolve(folder, keys.file)
     if not file.exists():
         return None
     table = named(file, keys)

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import assemble, foreign_paths, gps, image_files, series
+from vpf_sim.replay import assemble, gps, image_files, series
 from vpf_sim.replay.recording import Origin, Recording
 from vpf_sim.types import Floats
 
@@ -46,7 +46,7 @@ def read(folder: Path) -> Recording:
         table.cells["file"] = [_image(folder, cell) for cell in table.texts("frame_id")]
     names = {key: _name(table, key) for key in NAMES if not (final and key == "speed")}
     times = series.ascending(table.where(names["time"]), 1e-9 * _nanoseconds(table, names["time"]))
-    files = foreign_paths.resolve_all(folder, table.texts(names["file"]), image_files.SUFFIXES)
+    files = image_files.resolve_all(folder, table.texts(names["file"]), image_files.SUFFIXES)
     present = [os.path.exists(path) for path in files]
     size = image_files.size(files, folder) if all(present) else SIZE
     source = assemble.Source(

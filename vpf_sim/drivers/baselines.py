@@ -51,3 +51,30 @@ def _with_speed(steer: Callable[[Observation], float], setup: DriverSetup) -> Ca
 
 
 _FOLLOWERS = {"pid": _pid, "pure-pursuit": _pure_pursuit, "stanley": _stanley}
+
+
+class IdmDriver(Driver):
+    """highway-env's own driver. It is told all that is on the road, and needs no camera."""
+
+    privileged: Privilege = "world"
+    uses_images = False
+
+    def reset(self, setup: DriverSetup) -> None:
+        from vpf_sim.controllers.idm import Idm, load_gains
+
+        if setup.world is None:
+            raise InputError("driver idm: expected the world in its setup, got none")
+        self._controller = Idm(load_gains(), setup, setup.world)
+
+    def act(self, observation: Observation) -> Command:
+        return self._controller.command(observation)
+
+
+class NeutralDriver(Driver):
+    """Touches nothing: the trivial driver."""
+
+    privileged: Privilege = "none"
+    uses_images = False
+
+    def act(self, observation: Observation) -> Command:  # noqa: ARG002
+        return Command(0.0, 0.0)
