@@ -28,6 +28,7 @@ LEAVES = {
     "pipeline",
     "policy_state",
     "timing",
+    "tracebacks",
 }
 MAY_IMPORT = {
     **dict.fromkeys(LEAVES, LEAVES),
