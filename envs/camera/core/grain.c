@@ -7,7 +7,7 @@
 enum { SHIFT = 22, SIZES = 3 };
 
 static const int EVERY[SIZES] = {2, 4, 8}; /* columns of the raster by sample of the noise */
-static const float WEIGHTS[SIZES] = {0.8f, 0.4f, 1.0f};
+static const float FINE = 0.8f, COARSE = 0.4f; /* amplitudes */
 
 static uint32_t fixed(double texels) {
     double whole = vc_limit(texels, -1e6, 1e6) * FIXED;
@@ -45,26 +45,31 @@ static void sample(const uint8_t *tile, const double *matrix, int row, int colum
     noise[count] = noise[count - 1];
 }
 
-/* Adds noise of every `every`-th column to all columns, linear between them. */
-static void stretch(const float *noise, int columns, int every, float weight, float *out) {
-    for (int k = 0; k < every; k++) {
-        float place = ((float)k + 0.5f) / (float)every - 0.5f;
-        const float *beside = place < 0.0f ? noise - 1 : noise + 1;
-        float far = weight * (place < 0.0f ? -place : place), near = weight - far;
-        for (int i = 0; i < columns / every; i++) out[every * i + k] += near * noise[i] + far * beside[i];
+/* Doubles the samples of noise, linear between them: a quarter is that of the neighbour. Both rows have a sample beyond
+ * each end. */
+static void doubled(const float *noise, int count, float *out) {
+    for (int i = 0; i < count; i++) {
+        out[2 * i] = 0.75f * noise[i] + 0.25f * noise[i - 1];
+        out[2 * i + 1] = 0.75f * noise[i] + 0.25f * noise[i + 1];
     }
+    out[-1] = out[0];
+    out[2 * count] = out[2 * count - 1];
 }
 
 /* Adds fine and coarse noise, and blotches, to a row. */
 static void add(vc_ground_part *ground, int columns, const float *gain, uint8_t *values) {
-    float *steps = ground->scratch.strength[0], *shift = ground->scratch.strength[1];
-    memset(steps, 0, sizeof *steps * columns);
-    memset(shift, 0, sizeof *shift * columns);
-    for (int i = 0; i < SIZES; i++)
-        stretch(ground->scratch.grain[i] + 1, columns, EVERY[i], WEIGHTS[i] * gain[i / 2], i < 2 ? steps : shift);
+    float *const *grain = ground->scratch.grain, *steps = ground->scratch.strength[0] + 1;
+    float *shift = ground->scratch.strength[1] + 1;
+    doubled(grain[1] + 1, columns / 4, steps);
+    for (int i = -1; i <= columns / 2; i++) shift[i] = gain[0] * (FINE * grain[0][i + 1] + COARSE * steps[i]);
+    doubled(shift, columns / 2, steps);
+    float *const quarter = grain[0] + 1, *const half = grain[1] + 1; /* no longer needed for grain */
+    doubled(grain[2] + 1, columns / 8, half);
+    doubled(half, columns / 4, quarter);
+    doubled(quarter, columns / 2, shift);
     for (int i = 0; i < columns; i++) {
-        float value = values[i] + steps[i] * ground->grain_gain[values[i]] + shift[i] * ground->blotch_gain[values[i]];
-        value += 0.5f;
+        float grained = steps[i] * ground->grain_gain[values[i]];
+        float value = values[i] + grained + gain[1] * shift[i] * ground->blotch_gain[values[i]] + 0.5f;
         values[i] = value <= 0.0f ? 0 : value >= 255.0f ? 255 : (uint8_t)value;
     }
 }

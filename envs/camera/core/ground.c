@@ -5,18 +5,22 @@
 
 enum { SPAN = 32, WHOLE = 16, ONE = 1 << WHOLE }; /* pixels between exact places; bits of a fraction of a texel */
 
-/* The texel as palette value in the low half of a word, and shadow in the high half. */
-static inline uint32_t spread(uint32_t texel) { return (texel | texel << 8) & 0x00ff00ffu; }
-
 /* a + (b - a) share / 256 in both halves. */
 static inline uint32_t between(uint32_t a, uint32_t b, uint32_t share) {
     return ((a * (256 - share) + b * share + 0x00800080u) >> 8) & 0x00ff00ffu;
 }
 
+/* Two neighbouring texels with each of their four bytes in 16 bits. */
+static inline uint64_t spread(const uint16_t *texel) {
+    uint64_t two = (uint64_t)texel[0] | (uint64_t)texel[1] << 32;
+    return (two | two << 8) & 0x00ff00ff00ff00ffu;
+}
+
+/* A sample: the palette value in the low half of a word, and shadow in the high half. */
 static inline uint32_t bilinear(const uint16_t *texel, int columns, uint32_t fx, uint32_t fy) {
-    uint32_t above = between(spread(texel[0]), spread(texel[1]), fx);
-    uint32_t below = between(spread(texel[columns]), spread(texel[columns + 1]), fx);
-    return between(above, below, fy);
+    uint64_t both = spread(texel) * (256 - fy) + spread(texel + columns) * fy + 0x0080008000800080u;
+    both = (both >> 8) & 0x00ff00ff00ff00ffu;
+    return between((uint32_t)both, (uint32_t)(both >> 32), fx);
 }
 
 /* A run of pixels along a row, linear in texels; u and v count 1 / ONE. */
@@ -92,26 +96,27 @@ static void fade(uint32_t *under, const uint32_t *over, int width, uint32_t weig
 /* Colour of a sampled texel: the palette's, darkened by `dark` of 256 in full shadow. */
 static inline uint32_t coloured(const uint32_t *palette, uint32_t texel, uint32_t dark) {
     uint32_t colour = palette[texel & 255], shadow = texel >> 16;
+    if (shadow == 0) return colour;
     uint32_t left = 256 - ((shadow * dark + 128) >> 8);
     uint32_t red_blue = (((colour & 0xff00ffu) * left + 0x800080u) >> 8) & 0xff00ffu;
     return red_blue | ((((colour & 0x00ff00u) * left + 0x8000u) >> 8) & 0x00ff00u);
 }
 
-static void colour_row(const vc_ground_part *ground, const uint32_t *texels, int width, const uint8_t *haze, uint8_t *px) {
+static inline void put(uint32_t colour, uint8_t *px) {
+    px[0] = (uint8_t)colour;
+    px[1] = (uint8_t)(colour >> 8);
+    px[2] = (uint8_t)(colour >> 16);
+}
+
+static void colour_row(const vc_ground_part *ground, const uint32_t *texels, int width, uint8_t *px) {
     uint32_t dark = (uint32_t)(256 - ground->shade);
-    if (haze == NULL) {
-        for (int x = 0; x < width; x++, px += 3) {
-            uint32_t colour = coloured(ground->palette, texels[x], dark);
-            px[0] = (uint8_t)colour;
-            px[1] = (uint8_t)(colour >> 8);
-            px[2] = (uint8_t)(colour >> 16);
-        }
-        return;
-    }
-    for (int x = 0; x < width; x++, px += 3) {
-        uint32_t colour = coloured(ground->palette, texels[x], dark);
-        for (int i = 0; i < 3; i++) px[i] = (uint8_t)(vc_by_255(((colour >> (8 * i)) & 255) * haze[0]) + haze[1 + i]);
-    }
+    for (int x = 0; x < width; x++) put(coloured(ground->palette, texels[x], dark), px + 3 * x);
+}
+
+/* The haze of a row: a transmission, and light of the air. */
+static void haze_row(const uint8_t *haze, int width, uint8_t *px) {
+    for (int x = 0; x < width; x++, px += 3)
+        for (int i = 0; i < 3; i++) px[i] = (uint8_t)(vc_by_255(px[i] * (uint32_t)haze[0]) + haze[1 + i]);
 }
 
 /* Samples a level's rows that are shown at row `y` of the ground. */
@@ -137,7 +142,7 @@ void vc_draw_ground(vc_core *core, vc_image image) {
     for (int row = 0; row < image.height - core->camera.ground_top; row++) {
         for (int i = 0; i < ground->levels; i++) sample_level(core, ground->level + i, matrices[i], row);
         uint8_t *px = image.px + (size_t)(core->camera.ground_top + row) * image.width * 3;
-        const uint8_t *haze = row < ground->hazy_rows ? ground->haze + 4 * row : NULL;
-        colour_row(ground, ground->row[0], image.width, haze, px);
+        colour_row(ground, ground->row[0], image.width, px);
+        if (row < ground->hazy_rows) haze_row(ground->haze + 4 * row, image.width, px);
     }
 }

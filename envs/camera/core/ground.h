@@ -61,7 +61,7 @@ typedef struct {
     uint8_t *counts;     /* (rows of the canvas,) */
     Placed *placed;
     double *points;      /* (n, 2) */
-    float *grain[3], *strength[2]; /* grain: with a sample before the first and one after the last */
+    float *grain[3], *strength[2]; /* with a sample before the first and one after the last */
     uint32_t *noise;
 } Scratch;
 enum { VC_STRIP = 32, VC_CROSSINGS = 16 };

@@ -159,7 +159,7 @@ static int make_scratch(vc_ground_part *ground) {
     scratch->points = malloc(points * 2 * sizeof(double));
     int memory = scratch->canvas && scratch->values && scratch->sums && scratch->crossings && scratch->counts;
     for (int i = 0; i < 3; i++) memory &= (scratch->grain[i] = malloc((columns + 2) * sizeof(float))) != NULL;
-    for (int i = 0; i < 2; i++) memory &= (scratch->strength[i] = malloc(columns * sizeof(float))) != NULL;
+    for (int i = 0; i < 2; i++) memory &= (scratch->strength[i] = malloc((columns + 2) * sizeof(float))) != NULL;
     scratch->noise = malloc((columns + 1) * sizeof(uint32_t));
     return memory && scratch->placed && scratch->points && scratch->noise;
 }

@@ -4,29 +4,45 @@
 enum { SMALL_PX = 1200 }; /* items with fewer pixels get 4 x 4 samples a pixel, others 2 x 2 */
 #define EMPTY 0xff000000u /* transparent */
 
-/* Lays the mean of each pixel's samples over the image. */
-static void blend(const uint32_t *layer, int wide, int tall, int fine, uint8_t *px, int stride) {
-    int shift = fine == 4 ? 4 : 2;
-    uint32_t half = (1u << shift) / 2;
-    for (int y = 0; y < tall; y++) {
-        const uint32_t *row = layer + (size_t)y * fine * wide * fine;
-        uint8_t *to = px + (size_t)y * stride;
-        for (int x = 0; x < wide; x++, to += 3) {
-            uint32_t red_blue = 0, green_through = 0;
-            for (int j = 0; j < fine; j++)
-                for (int i = 0; i < fine; i++) {
-                    uint32_t sample = row[(size_t)j * wide * fine + x * fine + i];
-                    red_blue += sample & 0xff00ffu;
-                    green_through += (sample >> 8) & 0xff00ffu;
-                }
-            uint32_t through = ((green_through >> 16) + half) >> shift;
-            if (through == 255) continue;
-            uint32_t colour[3] = {red_blue & 0xffffu, green_through & 0xffffu, red_blue >> 16};
-            for (int c = 0; c < 3; c++) {
-                uint32_t level = vc_by_255(to[c] * through) + ((colour[c] + half) >> shift);
-                to[c] = (uint8_t)(level > 255 ? 255 : level);
-            }
+/* The sums of each byte of a pixel's samples: red and blue in one word, green and transparency in the other. */
+typedef struct {
+    uint32_t red_blue, green_through;
+} Sums;
+
+static inline Sums sum(const uint32_t *samples, int stride, int fine) {
+    Sums sums = {0, 0};
+    for (int j = 0; j < fine; j++)
+        for (int i = 0; i < fine; i++) {
+            uint32_t sample = samples[(size_t)j * stride + i];
+            sums.red_blue += sample & 0xff00ffu;
+            sums.green_through += (sample >> 8) & 0xff00ffu;
         }
+    return sums;
+}
+
+/* Lays the mean of each pixel's samples over a row of the image. */
+static inline void blend_row(const uint32_t *samples, int wide, int fine, int shift, uint8_t *px) {
+    uint32_t half = (1u << shift) / 2;
+    for (int x = 0; x < wide; x++, px += 3) {
+        Sums sums = sum(samples + x * fine, wide * fine, fine);
+        uint32_t through = ((sums.green_through >> 16) + half) >> shift;
+        if (through == 255) continue;
+        uint32_t colour[3] = {sums.red_blue & 0xffffu, sums.green_through & 0xffffu, sums.red_blue >> 16};
+        for (int c = 0; c < 3; c++) {
+            uint32_t level = (colour[c] + half) >> shift;
+            if (through > 0) level += vc_by_255(px[c] * through);
+            px[c] = (uint8_t)(level > 255 ? 255 : level);
+        }
+    }
+}
+
+static void blend(const uint32_t *layer, int wide, int tall, int fine, uint8_t *px, int stride) {
+    for (int y = 0; y < tall; y++, px += stride) {
+        const uint32_t *samples = layer + (size_t)y * fine * wide * fine;
+        if (fine == 2) /* each with constants, which the compiler unrolls */
+            blend_row(samples, wide, 2, 2, px);
+        else
+            blend_row(samples, wide, 4, 4, px);
     }
 }
 

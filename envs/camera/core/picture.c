@@ -35,12 +35,23 @@ static uint32_t between(uint32_t a, uint32_t b, uint32_t share) {
     return even | odd;
 }
 
+/* Changes a sample as the picture asks for. */
+static uint32_t changed(const vc_picture *picture, uint32_t sample) {
+    uint32_t cover = 255 - (sample >> 24);
+    uint32_t colour = (255 - ((cover * (uint32_t)picture->opacity + 128) >> 8)) << 24;
+    for (int i = 0; i < 3; i++) {
+        uint32_t level = (((sample >> (8 * i)) & 255) * (uint32_t)picture->factor + 128) >> 8;
+        level += vc_by_255((uint32_t)picture->air[i] * cover);
+        colour |= (level > 255 ? 255 : level) << (8 * i);
+    }
+    return colour;
+}
+
 /* Lays a premultiplied sample over a pixel. */
-static void lay(const vc_picture *picture, uint32_t sample, uint8_t *px) {
-    uint32_t cover = 255 - (sample >> 24), through = 255 - ((cover * (uint32_t)picture->opacity + 128) >> 8);
+static inline void lay(uint32_t sample, uint8_t *px) {
+    uint32_t through = sample >> 24;
     for (int i = 0; i < 3; i++, sample >>= 8) {
-        uint32_t level = ((sample & 255) * (uint32_t)picture->factor + 128) >> 8;
-        level += vc_by_255((uint32_t)picture->air[i] * cover) + vc_by_255(px[i] * through);
+        uint32_t level = (sample & 255) + (through > 0 ? vc_by_255(px[i] * through) : 0);
         px[i] = (uint8_t)(level > 255 ? 255 : level);
     }
 }
@@ -54,6 +65,7 @@ static uint32_t sample(const uint8_t *at, size_t stride, uint32_t share_x, uint3
 
 void vc_paint_picture(const vc_picture *picture, double left, double top, double wide, double tall, vc_image image,
                       vc_labels labels) {
+    int is_plain = picture->factor == 256 && picture->opacity == 256 && !(picture->air[0] | picture->air[1] | picture->air[2]);
     Axis across = axis_of(left, wide, picture->columns, image.width), down = axis_of(top, tall, picture->rows, image.height);
     size_t stride = (size_t)picture->columns * 4;
     int32_t v = down.from;
@@ -65,10 +77,9 @@ void vc_paint_picture(const vc_picture *picture, double left, double top, double
             uint32_t share_x = (uint32_t)(u >> (SHIFT - 8)) & 255, share_y = (uint32_t)(v >> (SHIFT - 8)) & 255;
             uint32_t found = sample(row + 4 * (u >> SHIFT), stride, share_x, share_y);
             if (labels.px != NULL) {
-                uint32_t cover = 255 - (found >> 24);
-                if (((cover * (uint32_t)picture->opacity + 128) >> 8) > 127) labels.px[at] = labels.label;
+                if (changed(picture, found) >> 24 < 128) labels.px[at] = labels.label;
             } else if (found < 0xff000000u) {
-                lay(picture, found, image.px + 3 * at);
+                lay(is_plain ? found : changed(picture, found), image.px + 3 * at);
             }
         }
     }

@@ -8,6 +8,7 @@ enum { PANORAMAS = 2 };
 
 typedef struct {
     vc_panorama spec; /* with copies of its arrays */
+    uint32_t *texels; /* (rows + 1, columns) R, G, B from the lowest byte on */
     int h, w;         /* sampled pixels */
 } Panorama;
 
@@ -21,7 +22,7 @@ struct vc_sky_part {
 void vc_sky_free(vc_sky_part *sky) {
     if (sky == NULL) return;
     for (int i = 0; i < sky->count; i++) {
-        free((void *)sky->panorama[i].spec.px);
+        free(sky->panorama[i].texels);
         free((void *)sky->panorama[i].spec.across);
         free((void *)sky->panorama[i].spec.down);
     }
@@ -43,12 +44,25 @@ static vc_sky_part *new_sky(int width) {
 
 static int makes_sense(const vc_camera *camera, const vc_panorama *spec, int h, int w) {
     if (spec->top < 0 || spec->bottom <= spec->top || spec->bottom > camera->height_px) return 0;
-    if (spec->coarse < 1 || spec->rows < 2 || spec->columns < 2 || spec->columns > 1 << 20) return 0;
+    if (spec->coarse < 1 || (spec->coarse & (spec->coarse - 1)) != 0 || spec->rows < 2 || spec->columns < 2 || spec->columns > 1 << 20) return 0;
     for (int i = 0; i < h * w; i++) {
         if (spec->down[i] < 0 || spec->down[i] > (spec->rows - 1) * VC_TEXEL) return 0;
         if (abs(spec->across[i]) > spec->columns * VC_TEXEL) return 0;
     }
     return 1;
+}
+
+/* Texels in a word each, with the last row twice. */
+static uint32_t *packed(const vc_panorama *spec) {
+    size_t count = (size_t)spec->rows * spec->columns;
+    uint32_t *texels = malloc((count + spec->columns) * sizeof *texels);
+    if (texels == NULL) return NULL;
+    for (size_t i = 0; i < count; i++) {
+        const uint8_t *px = spec->px + 3 * i;
+        texels[i] = px[0] | (uint32_t)px[1] << 8 | (uint32_t)px[2] << 16;
+    }
+    memcpy(texels + count, texels + count - spec->columns, (size_t)spec->columns * sizeof *texels);
+    return texels;
 }
 
 vc_status vc_add_panorama(vc_core *core, const vc_panorama *spec) {
@@ -60,43 +74,52 @@ vc_status vc_add_panorama(vc_core *core, const vc_panorama *spec) {
     if (core->sky == NULL) return VC_NO_MEMORY;
     if (core->sky->count == PANORAMAS) return VC_INVALID;
     Panorama *panorama = core->sky->panorama + core->sky->count++;
-    size_t samples = (size_t)h * w, size = (size_t)spec->rows * spec->columns * 3;
-    *panorama = (Panorama){*spec, h, w};
-    panorama->spec.px = vc_copied(spec->px, size, 1, (size_t)spec->columns * 3);
+    size_t samples = (size_t)h * w;
+    *panorama = (Panorama){*spec, packed(spec), h, w};
     panorama->spec.across = vc_copied(spec->across, samples, sizeof(int32_t), 0);
     panorama->spec.down = vc_copied(spec->down, samples, sizeof(int32_t), 0);
-    int memory = panorama->spec.px && panorama->spec.across && panorama->spec.down;
+    int memory = panorama->texels && panorama->spec.across && panorama->spec.down;
     return memory ? VC_OK : VC_NO_MEMORY;
+}
+
+/* a + (b - a) share / VC_TEXEL in each byte. */
+static inline uint32_t between(uint32_t a, uint32_t b, uint32_t share) {
+    uint32_t rest = VC_TEXEL - share, half = VC_TEXEL / 2;
+    uint32_t red_blue = ((a & 0xff00ffu) * rest + (b & 0xff00ffu) * share + half * 0x10001u) / VC_TEXEL & 0xff00ffu;
+    return red_blue | (((a & 0xff00u) * rest + (b & 0xff00u) * share + half * 0x100u) / VC_TEXEL & 0xff00u);
 }
 
 /* Samples a row of pixels at a yaw, in 1 / VC_TEXEL columns. */
 static void sample(const Panorama *panorama, int row, int64_t turned, uint8_t *out) {
     const vc_panorama *spec = &panorama->spec;
     const int32_t *across = spec->across + (size_t)row * panorama->w, *down = spec->down + (size_t)row * panorama->w;
-    int around = spec->columns * VC_TEXEL, stride = spec->columns * 3;
+    int around = spec->columns * VC_TEXEL;
     for (int x = 0; x < panorama->w; x++, out += 3) {
-        int u = across[x] + (int)turned, v = down[x];
-        if (u < 0) u += around;
-        if (u >= around) u -= around;
-        int column = u / VC_TEXEL, next = column + 1 < spec->columns ? 3 : 3 - stride;
-        int fx = u % VC_TEXEL, fy = v % VC_TEXEL;
-        const uint8_t *px = spec->px + (size_t)(v / VC_TEXEL) * stride + 3 * column;
-        for (int i = 0; i < 3; i++, px++) {
-            int above = px[0] * (VC_TEXEL - fx) + px[next] * fx;
-            int below = px[stride] * (VC_TEXEL - fx) + px[stride + next] * fx;
-            out[i] = (uint8_t)((above * (VC_TEXEL - fy) + below * fy + VC_TEXEL * VC_TEXEL / 2) / (VC_TEXEL * VC_TEXEL));
-        }
+        int place = across[x] + (int)turned;
+        place += place < 0 ? around : place >= around ? -around : 0;
+        uint32_t u = (uint32_t)place, v = (uint32_t)down[x], column = u / VC_TEXEL;
+        const uint32_t *texel = panorama->texels + (size_t)(v / VC_TEXEL) * spec->columns + column;
+        const uint32_t *next = texel + ((int)column + 1 < spec->columns ? 1 : 1 - spec->columns);
+        uint32_t above = between(texel[0], next[0], u % VC_TEXEL);
+        uint32_t below = between(texel[spec->columns], next[spec->columns], u % VC_TEXEL);
+        uint32_t colour = between(above, below, v % VC_TEXEL);
+        out[0] = (uint8_t)colour;
+        out[1] = (uint8_t)(colour >> 8);
+        out[2] = (uint8_t)(colour >> 16);
     }
 }
 
-/* Stretches a row of every `coarse`-th pixel to all. */
+/* Stretches a row of every `coarse`-th pixel to all, each between the middles of two samples. */
 static void stretch(const uint8_t *row, int count, int coarse, int width, uint8_t *out) {
-    for (int x = 0; x < width; x++, out += 3) {
-        int place = 2 * x + 1 - coarse; /* from the middle of the first sample, in half pixels */
-        int left = place < 0 ? 0 : vc_min(place / (2 * coarse), count - 1), right = vc_min(left + 1, count - 1);
-        int share = place < 0 ? 0 : place % (2 * coarse);
-        for (int i = 0; i < 3; i++)
-            out[i] = (uint8_t)((row[3 * left + i] * (2 * coarse - share) + row[3 * right + i] * share + coarse) / (2 * coarse));
+    int left = -1, share = coarse + 1, whole = 2 * coarse, shift = 1; /* from the left sample, in halves of a pixel */
+    while (1 << shift < whole) shift++;
+    for (int x = 0; x < width; x++, out += 3, share += 2) {
+        if (share >= whole) {
+            share -= whole;
+            left++;
+        }
+        const uint8_t *a = row + 3 * vc_max(left, 0), *b = row + 3 * vc_min(left + 1, count - 1);
+        for (int i = 0; i < 3; i++) out[i] = (uint8_t)((a[i] * (whole - share) + b[i] * share + coarse) >> shift);
     }
 }
 

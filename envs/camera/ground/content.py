@@ -23,8 +23,9 @@ from vpf_sim.types import Camera, Floats, Image
 
 SHADED = 255  # of a shadow's polygon
 SMALLEST_M2 = 0.01  # smaller shadows are left out
-ACROSS = 4  # samples across a texel: lines are thinner than a texel far away
-NEAR_ALONG, FAR_ALONG = 2, 4  # samples along it
+THIN_M = 0.075  # texels of half a line's width and more get FINE_ACROSS samples across, smaller ones COARSE_ACROSS
+COARSE_ACROSS, FINE_ACROSS = 2, 4
+NEAR_ALONG, FAR_ALONG = 2, 4  # samples along a texel
 SIZE = 1.6  # texel of noise, in the level's smallest pixels
 COARSER = 2.0  # second grain size over the first
 SPARSE = 7.0  # texels of noise between averaged samples
@@ -81,11 +82,11 @@ def add_level(core: Core, level: Level, grains: Grains, gains: NDArray[np.float3
     camera = core.camera
     shape = raster_shape(camera, level)
     bands = np.array([(band.first, band.last, band.fineness, band.faded) for band in level.bands], np.int32)
-    along = NEAR_ALONG if level.steep else FAR_ALONG
+    fine = FINE_ACROSS if shape.across_m > THIN_M else COARSE_ACROSS, NEAR_ALONG if level.steep else FAR_ALONG
     numbers = [level.near_m / detail(camera), shape.across_m, shape.along_m, shape.turn_rad, shape.step, shape.sidestep]
     numbers += [shape.ahead_m, shape.right_m, shape.phase, shape.depth_scale]
     core.add_level(
-        [level.steep, shape.rows, shape.columns, ACROSS, along, *grains.fineness],
+        [level.steep, shape.rows, shape.columns, *fine, *grains.fineness],
         [*numbers, *shape.to_texels.ravel(), *grains.from_world.ravel()],
         bands,
         level.weights[:, 0],

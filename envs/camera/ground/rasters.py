@@ -19,7 +19,7 @@ from vpf_sim.types import Camera, Floats
 
 HALF = 0.5  # most distance of a pose from its anchor, in turns, steps and sidesteps
 NEAR_TURN_RAD, FAR_TURN_RAD = pi / 26, 0.06  # between headings
-NEAR_STEP, NEAR_SIDESTEP = 1.2, 0.15  # between anchors, in the level's nearest depth
+NEAR_STEP, NEAR_SIDESTEP = 0.3, 0.3  # between anchors, in the level's nearest depth
 FAR_STEP, FAR_SIDESTEP = 0.38, 0.12
 GOLDEN = 0.618  # shift between the grids of levels
 ROWS = 1.25  # texels per row of pixels
