@@ -1,17 +1,19 @@
-"""The road, its surroundings and its traffic on a dry day, drawn by the core."""
+"""The road, its surroundings and its traffic while the road is dry, drawn by the core."""
 
 import numpy as np
 from highway_env.road.road import Road
 from highway_env.vehicle.objects import Landmark, RoadObject
 
 from vpf_sim.envs.camera.atmosphere import Atmosphere
-from vpf_sim.envs.camera.core.frames import Core
+from vpf_sim.envs.camera.core.frames import NO_LAMPS, Core
 from vpf_sim.envs.camera.ground.content import set_ground
 from vpf_sim.envs.camera.ground.even_gains import even_gains
 from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.layout import lane_shapes
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.night.content import FrameLamps, set_lamps
+from vpf_sim.envs.camera.scenery.bands import banded
 from vpf_sim.envs.camera.scenery.content import add_mesh, set_light, set_roadside
 from vpf_sim.envs.camera.scenery.object_meshes import object_mesh
 from vpf_sim.envs.camera.scenery.objects import kind_of, object_size
@@ -45,8 +47,14 @@ class World:
         shaded = appearance is not None and appearance.shadows and light.shadow < NO_SUN
         shadows = scenery.shadow_polygons(light) if shaded else []
         add_sky(core, light, atmosphere, seed)
-        set_ground(core, shapes, light, atmosphere.wetness, seed, look, shadows, haze, even_gains(camera))
+        set_ground(
+            core, shapes, light, atmosphere.wetness, seed, look, shadows, haze, even_gains(camera), scenery.lamplight
+        )
         set_light(core, light, haze)
+        self._lamps: FrameLamps | None = None
+        if scenery.lamplight is not None:
+            set_lamps(core, scenery.lamplight)
+            self._lamps = FrameLamps(core, scenery.lamplight)
         set_roadside(core, group_of(scenery.furniture, None, camera))
         plant(core, scenery.trees, light, haze)
 
@@ -78,7 +86,7 @@ class World:
         objects = np.empty((len(now.objects), 4))
         objects[:, :3] = now.places
         objects.view(np.int64)[:, 3] = self._numbers(now.objects)
-        self._core.begin(*now.pose, now.time_s, objects)
+        self._core.begin(*now.pose, now.time_s, objects, NO_LAMPS if self._lamps is None else self._lamps.of(now))
 
     @timed("render.backdrop")
     def _draw_backdrop(self, frame: Image) -> None:
@@ -99,6 +107,7 @@ class World:
             rng = stream(self._seed, f"body {self._bodies}")  # part of what a seed means: keep
             self._bodies += 1
             size = object_size(obj)
-            number = add_mesh(self._core, object_mesh(kind_of(obj), size, rng), size)
+            mesh = object_mesh(kind_of(obj), size, rng)
+            number = add_mesh(self._core, mesh if self._lamps is None else banded(mesh), size)
         self._meshes[obj] = number
         return number

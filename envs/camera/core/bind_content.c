@@ -247,6 +247,54 @@ FUNCTION(bind_plant) {
     return result(status);
 }
 
+static vc_status set_lamps(vc_core *core, const Buffers *b, int columns) {
+    vc_lamps l;
+    const double *real = elements(b, 0, 27, sizeof(double));
+    double *numbers[] = {&l.ahead_m,   &l.aside_m,    &l.height_m,  &l.nearest_m, &l.peak_cd,    &l.above_cd, &l.above_wide,
+                         &l.above_tall, &l.dip,       &l.rise,      &l.highest,   &l.soft,       &l.offset,   &l.narrow[0],
+                         &l.narrow[1], &l.wide[0],    &l.wide[1],   &l.steep[0],  &l.steep[1],   &l.shallow[0],
+                         &l.shallow[1], &l.street_cd, &l.street_range_m, &l.retro, &l.leaves,    &l.ground_gain,
+                         &l.factor_scale};
+    l.lamps = (int)length(b, 1, 3 * sizeof(double));
+    l.lamps_m = elements(b, 1, l.lamps, 3 * sizeof(double));
+    l.factors = (int)length(b, 2, 3 * sizeof(double));
+    l.factor = elements(b, 2, l.factors, 3 * sizeof(double));
+    l.columns = columns;
+    l.ground = elements(b, 3, (Py_ssize_t)vc_ground_rows(core) * columns, 3 * sizeof(double));
+    if (!real || !l.lamps_m || !l.factor || !l.ground) return VC_INVALID;
+    for (int i = 0; i < 27; i++) *numbers[i] = real[i];
+    return vc_set_lamps(core, &l);
+}
+
+/* core, columns, then: (27,) float64, street lamps, factors, light of the ground. */
+FUNCTION(bind_set_lamps) {
+    (void)self;
+    PyObject *capsule, *o[4];
+    int columns;
+    Buffers buffers;
+    if (!PyArg_ParseTuple(arguments, "OiOOOO", &capsule, &columns, o, o + 1, o + 2, o + 3)) return NULL;
+    vc_core *core = core_of(capsule);
+    if (core == NULL || !take_buffers(&buffers, o, 4, 0)) return NULL;
+    vc_status status = set_lamps(core, &buffers, columns);
+    release(&buffers);
+    return result(status);
+}
+
+/* core, size, (size, size, 4) picture. The number. */
+FUNCTION(bind_add_glow) {
+    (void)self;
+    PyObject *capsule, *o[1];
+    int size;
+    Buffers buffers;
+    if (!PyArg_ParseTuple(arguments, "OiO", &capsule, &size, o)) return NULL;
+    vc_core *core = core_of(capsule);
+    if (core == NULL || !take_buffers(&buffers, o, 1, 0)) return NULL;
+    const uint8_t *px = elements(&buffers, 0, (Py_ssize_t)size * size, 4);
+    int number = px ? vc_add_glow(core, size, px) : VC_INVALID;
+    release(&buffers);
+    return number < 0 ? result((vc_status)number) : Py_BuildValue("i", number);
+}
+
 /* core, rows, columns, seed, (rows, columns, 3) int8 levels. */
 FUNCTION(bind_set_noise) {
     (void)self;

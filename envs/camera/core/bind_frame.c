@@ -3,20 +3,23 @@
 
 #include "internal.h"
 
-/* core, x, y, yaw, time_us, (n, 4) objects: x, y, heading as float64 and the mesh as int64. */
+/* core, x, y, yaw, time_us, (n, 4) objects: x, y, heading as float64 and the mesh as int64; (n, 5) lamps: x, y, depth as
+ * float64, glow and object as int64. */
 FUNCTION(bind_begin) {
     (void)self;
-    PyObject *capsule, *o[1];
+    PyObject *capsule, *o[2];
     vc_pose pose;
     long long time_us;
     Buffers buffers;
-    if (!PyArg_ParseTuple(arguments, "OdddLO", &capsule, &pose.x_m, &pose.y_m, &pose.yaw_rad, &time_us, o)) return NULL;
+    if (!PyArg_ParseTuple(arguments, "OdddLOO", &capsule, &pose.x_m, &pose.y_m, &pose.yaw_rad, &time_us, o, o + 1))
+        return NULL;
     pose.time_us = time_us;
     vc_core *core = core_of(capsule);
-    if (core == NULL || !take_buffers(&buffers, o, 1, 0)) return NULL;
-    int count = (int)length(&buffers, 0, sizeof(vc_object));
+    if (core == NULL || !take_buffers(&buffers, o, 2, 0)) return NULL;
+    int count = (int)length(&buffers, 0, sizeof(vc_object)), lamp_count = (int)length(&buffers, 1, sizeof(vc_lamp));
     const vc_object *objects = elements(&buffers, 0, count, sizeof(vc_object));
-    vc_status status = objects ? vc_begin(core, &pose, objects, count) : VC_INVALID;
+    const vc_lamp *lamps = elements(&buffers, 1, lamp_count, sizeof(vc_lamp));
+    vc_status status = objects && lamps ? vc_begin(core, &pose, objects, count, lamps, lamp_count) : VC_INVALID;
     release(&buffers);
     return result(status);
 }

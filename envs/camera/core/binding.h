@@ -34,6 +34,8 @@ FUNCTION(bind_set_roadside);
 FUNCTION(bind_add_mesh);
 FUNCTION(bind_add_tree);
 FUNCTION(bind_plant);
+FUNCTION(bind_set_lamps);
+FUNCTION(bind_add_glow);
 FUNCTION(bind_set_noise);
 FUNCTION(bind_reserve);
 FUNCTION(bind_begin);

@@ -26,12 +26,15 @@ void vc_free(vc_core *core) {
     vc_sky_free(core->sky);
     vc_scene_free(core->scene);
     vc_tree_free(core->trees);
+    vc_lamps_free(core->lamps);
     vc_noise_free(core->noise);
     free(core->frame.items);
     free(core->frame.faces);
     free(core->frame.points);
     free(core);
 }
+
+int vc_ground_rows(const vc_core *core) { return core->camera.height_px - core->camera.ground_top; }
 
 void vc_draw_backdrop(vc_core *core, vc_image image) {
     vc_draw_sky(core, image);

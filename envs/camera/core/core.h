@@ -155,7 +155,7 @@ typedef struct {
     const double *colours;    /* (count, 3) RGB in full light */
     const uint8_t *flags;     /* (count,) of vc_flag */
 } vc_faces;
-enum { VC_CORNERS = 12 };
+enum { VC_CORNERS = 20 };
 typedef enum { VC_LIT = 1, VC_RETRO = 2 } vc_flag; /* shaded by light; throws light back to where it comes from */
 
 /* Furniture beside the road, in world axes. */
@@ -197,6 +197,38 @@ vc_status vc_add_tree(vc_core *core, const vc_tree *tree);
 /* (count, 7): x, y of the foot; left, top from it, width, height of the picture, m; kind of tree. */
 vc_status vc_plant(vc_core *core, int count, const double *trees);
 
+/* Light of lamps in the dark; by day there is none. Lux on a surface become an RGB factor by a table, at (i / scale)^2 lx.
+ *
+ * The two headlamps shine from `ahead_m` before the car's middle. The intensity of each by direction is that of
+ * night/low_beam.py; street lamps shine straight down. */
+typedef struct {
+    double ahead_m, aside_m, height_m, nearest_m; /* of the headlamps; nothing nearer before them is lit */
+    double peak_cd, above_cd, above_wide, above_tall;
+    double dip, rise, highest, soft, offset;      /* of the cut-off */
+    double narrow[2], wide[2], steep[2], shallow[2]; /* share and extent of the light, across and below the cut-off */
+    double street_cd, street_range_m;
+    double retro, leaves;        /* light thrown back by retroreflective faces, and by leaves, over a facing surface */
+    double ground_gain;          /* the brightest palette colour over that of the palette */
+    int lamps;
+    const double *lamps_m;       /* (lamps, 3) street lamps */
+    int factors;
+    double factor_scale;
+    const double *factor;        /* (factors, 3) */
+    int columns;                 /* of the ground's light, evenly over the image's width */
+    const double *ground;        /* (rows of the ground, columns, 3) ahead and right of the car's middle, and headlamps' lx */
+} vc_lamps;
+
+int vc_ground_rows(const vc_core *core); /* rows of the image that show the ground */
+vc_status vc_set_lamps(vc_core *core, const vc_lamps *lamps); /* before the roadside */
+/* The picture of a lamp, (size, size, 4), to be added around a point. Returns its number, or a vc_status below 0. */
+int vc_add_glow(vc_core *core, int size, const uint8_t *px);
+
+/* A lamp that shines into the camera, at a place of the image; drawn after an object, or with the scenery for -1. */
+typedef struct {
+    double x_px, y_px, depth_m;
+    int64_t glow, object;
+} vc_lamp;
+
 /* Noise of the sensor, from which each frame takes another part: (rows, 3 columns) grey levels, larger than the image. */
 vc_status vc_set_noise(vc_core *core, int rows, int columns, const int8_t *levels, uint64_t seed);
 
@@ -205,8 +237,10 @@ vc_status vc_reserve(vc_core *core, int objects);
 
 /* ---- frames ---- */
 
-/* Sets the pose and finds what is visible; the calls below draw it. VC_INVALID beyond the objects of vc_reserve. */
-vc_status vc_begin(vc_core *core, const vc_pose *pose, const vc_object *objects, int count);
+/* Sets the pose and finds what is visible; the calls below draw it. VC_INVALID beyond the objects of vc_reserve, and
+ * beyond two lamps for each and all street lamps. */
+vc_status vc_begin(vc_core *core, const vc_pose *pose, const vc_object *objects, int count, const vc_lamp *lamps,
+                   int lamp_count);
 
 void vc_draw_backdrop(vc_core *core, vc_image image); /* sky, ground and haze: every pixel */
 void vc_draw_scene(vc_core *core, vc_image image);    /* shadows of the objects, and all that rises from the ground */

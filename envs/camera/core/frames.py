@@ -16,6 +16,7 @@ POSITION_M = 1.0 / 1024.0  # resolution of points
 SHARE = 1.0 / 65536.0  # resolution of directions, factors and shares
 LEVEL = 1.0 / 256.0  # resolution of colours, grey levels
 
+NO_LAMPS = np.empty((0, 5))
 Array = NDArray[Any]
 Polygons = tuple[NDArray[np.int64], Floats, NDArray[np.int64], Floats]  # starts (n + 1,), points, values, ranges
 
@@ -154,19 +155,35 @@ class Core:
         """Set the trees, (n, 7); see `vc_plant` in core.h."""
         self._set("plant", rounded(trees, POSITION_M))
 
+    def set_lamps(
+        self, numbers: Sequence[float], street_lamps_m: Floats, factors: Floats, factor_scale: float, ground: Floats
+    ) -> None:
+        """Set the light of lamps in the dark; see `vc_lamps` in core.h."""
+        arrays = [np.array([*numbers, factor_scale], np.float64), rounded(street_lamps_m, POSITION_M)]
+        arrays += [rounded(factors, SHARE), rounded(ground, SHARE)]
+        self._set("set_lamps", ground.shape[1], *arrays)
+
+    def add_glow(self, picture: Image) -> int:
+        """Add the picture (n, n, 4) of a lamp and return its number."""
+        return int(self._set("add_glow", len(picture), _bytes(picture)))
+
     def set_noise(self, levels: NDArray[np.int8], seed: int) -> None:
         """Set the bank of noise, (rows, columns, 3) grey levels."""
         rows, columns = levels.shape[:2]
         self._set("set_noise", rows, columns, seed, np.ascontiguousarray(levels))
 
-    def begin(self, x_m: float, y_m: float, yaw_rad: float, time_s: float, objects: Floats) -> None:
+    def begin(
+        self, x_m: float, y_m: float, yaw_rad: float, time_s: float, objects: Floats, lamps: Floats = NO_LAMPS
+    ) -> None:
         """Set the pose of the next frame and find what it shows.
 
-        `objects` is (n, 4): x, y, heading, and the number of the mesh as the bits of an int64."""
+        `objects` is (n, 4): x, y, heading, and the number of the mesh as the bits of an int64. `lamps` is (n, 5):
+        x, y in px, depth, and as the bits of int64 the number of the picture, and of the object or -1.
+        """
         if len(objects) > self._reserved:
             self._reserved = 2 * len(objects)
             _core.reserve(self._handle, self._reserved)
-        self._begun = (x_m, y_m, yaw_rad, round(1e6 * time_s), objects)
+        self._begun = (x_m, y_m, yaw_rad, round(1e6 * time_s), objects, lamps)
         _core.begin(self._handle, *self._begun)
 
     def draw_backdrop(self, frame: Image) -> None:

@@ -143,6 +143,7 @@ void vc_draw_ground(vc_core *core, vc_image image) {
         for (int i = 0; i < ground->levels; i++) sample_level(core, ground->level + i, matrices[i], row);
         uint8_t *px = image.px + (size_t)(core->camera.ground_top + row) * image.width * 3;
         colour_row(ground, ground->row[0], image.width, px);
+        if (core->lamps != NULL) vc_light_row(core, row, px);
         if (row < ground->hazy_rows) haze_row(ground->haze + 4 * row, image.width, px);
     }
 }

@@ -76,13 +76,13 @@ typedef struct {
     double distance_m;     /* of the camera from its plane */
 } vc_face;
 
-typedef enum { VC_FACES, VC_TREE } vc_kind;
+typedef enum { VC_FACES, VC_TREE, VC_GLOW } vc_kind;
 
 /* Something that is drawn as one, in its box. */
 typedef struct {
     vc_kind kind;
     int instance;            /* -1 scenery, i + 1 object i */
-    int first, last;         /* faces in vc_frame.faces; a tree: `first` is its number */
+    int first, last;         /* faces in vc_frame.faces; of a tree or a lamp, `first` is its number */
     int x0, y0, x1, y1;      /* box in px, within the image */
     double depth_m;          /* of its middle; of an object, of its nearest corner */
 } vc_item;
@@ -92,6 +92,8 @@ typedef struct {
     vc_view view;
     const vc_object *objects; /* copied */
     int object_count;
+    const vc_lamp *lamps; /* copied */
+    int lamp_count;
     vc_item *items; /* in drawing order after vc_begin, the farthest first */
     int item_count;
     vc_face *faces;
@@ -112,6 +114,7 @@ typedef struct vc_ground_part vc_ground_part;
 typedef struct vc_sky_part vc_sky_part;
 typedef struct vc_scene_part vc_scene_part;
 typedef struct vc_tree_part vc_tree_part;
+typedef struct vc_lamps_part vc_lamps_part;
 typedef struct vc_noise_part vc_noise_part;
 
 struct vc_core {
@@ -121,6 +124,7 @@ struct vc_core {
     vc_sky_part *sky;
     vc_scene_part *scene;
     vc_tree_part *trees;
+    vc_lamps_part *lamps;
     vc_noise_part *noise;
 };
 
@@ -128,6 +132,7 @@ void vc_ground_free(vc_ground_part *part);
 void vc_sky_free(vc_sky_part *part);
 void vc_scene_free(vc_scene_part *part);
 void vc_tree_free(vc_tree_part *part);
+void vc_lamps_free(vc_lamps_part *part);
 void vc_noise_free(vc_noise_part *part);
 
 /* A copy of `count` elements of `size` bytes each, with room for `spare` bytes more; NULL without memory. */
@@ -146,7 +151,9 @@ typedef struct {
     int rows, columns;
     int factor, opacity;
     int air[3];
+    const int (*light)[3]; /* (VC_HEIGHTS,) RGB factors of 256 before, from the top down; NULL for none */
 } vc_picture;
+enum { VC_HEIGHTS = 8 };
 
 /* Where pixels are marked that a picture hides by more than half, instead of drawing it; NULL to draw. */
 typedef struct {
@@ -156,6 +163,9 @@ typedef struct {
 
 void vc_paint_picture(const vc_picture *picture, double left, double top, double wide, double tall, vc_image image,
                       vc_labels labels);
+
+/* Applies the light of lamps to a row of the ground. */
+void vc_light_row(vc_core *core, int row, uint8_t *px);
 
 void vc_draw_sky(vc_core *core, vc_image image);
 void vc_draw_ground(vc_core *core, vc_image image);

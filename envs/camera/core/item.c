@@ -78,6 +78,8 @@ void vc_paint_item(vc_core *core, const vc_item *item, vc_image image) {
     if (item->x0 >= item->x1 || item->y0 >= item->y1) return;
     if (item->kind == VC_TREE)
         vc_paint_tree(core, item, image, VC_DRAW);
+    else if (item->kind == VC_GLOW)
+        vc_paint_glow(core, item, image);
     else
         paint_faces(core, item, image);
 }

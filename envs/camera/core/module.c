@@ -58,6 +58,8 @@ static PyMethodDef METHODS[] = {
     {"add_mesh", bind_add_mesh, METH_VARARGS, "Add a mesh and return its number."},
     {"add_tree", bind_add_tree, METH_VARARGS, "Add a kind of tree."},
     {"plant", bind_plant, METH_VARARGS, "Set the trees."},
+    {"set_lamps", bind_set_lamps, METH_VARARGS, "Set the light of lamps."},
+    {"add_glow", bind_add_glow, METH_VARARGS, "Add the picture of a lamp and return its number."},
     {"set_noise", bind_set_noise, METH_VARARGS, "Set the noise of the sensor."},
     {"reserve", bind_reserve, METH_VARARGS, "Make room for frames with a number of objects."},
     {"begin", bind_begin, METH_VARARGS, "Set the pose of the next frame and find what it shows."},

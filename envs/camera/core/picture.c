@@ -4,6 +4,7 @@
 #include "internal.h"
 
 enum { SHIFT = 16 };
+#define NOTHING 0xff000000u /* transparent */
 
 /* Samples along one axis: pixels from `first` to `last`, and texels of 1 / 2^SHIFT. */
 typedef struct {
@@ -47,6 +48,24 @@ static uint32_t changed(const vc_picture *picture, uint32_t sample) {
     return colour;
 }
 
+/* The factors of a row, between those of the heights. */
+static void light_of(const vc_picture *picture, int32_t v, int *factors) {
+    int place = (int)(((int64_t)v * VC_HEIGHTS * 256 / picture->rows) >> SHIFT) - 128; /* of 256, from the first height */
+    int above = vc_clamp(place >> 8, 0, VC_HEIGHTS - 1), below = vc_min(above + 1, VC_HEIGHTS - 1);
+    int share = place < 0 ? 0 : place & 255;
+    for (int i = 0; i < 3; i++)
+        factors[i] = (picture->light[above][i] * (256 - share) + picture->light[below][i] * share) >> 8;
+}
+
+static uint32_t lit(uint32_t sample, const int *factors) {
+    uint32_t colour = sample & 0xff000000u;
+    for (int i = 0; i < 3; i++) {
+        uint32_t level = (((sample >> (8 * i)) & 255) * (uint32_t)factors[i]) >> 8;
+        colour |= (level > 255 ? 255 : level) << (8 * i);
+    }
+    return colour;
+}
+
 /* Lays a premultiplied sample over a pixel. */
 static inline void lay(uint32_t sample, uint8_t *px) {
     uint32_t through = sample >> 24;
@@ -59,7 +78,7 @@ static inline void lay(uint32_t sample, uint8_t *px) {
 /* The bilinear sample at a texel and its fractions of 1 / 256. */
 static uint32_t sample(const uint8_t *at, size_t stride, uint32_t share_x, uint32_t share_y) {
     uint32_t a = load(at), b = load(at + 4), c = load(at + stride), d = load(at + stride + 4);
-    if ((a & b & c & d) >= 0xff000000u) return 0xff000000u;
+    if ((a & b & c & d) == NOTHING && ((a | b | c | d) & ~NOTHING) == 0) return NOTHING;
     return between(between(a, b, share_x), between(c, d, share_x), share_y);
 }
 
@@ -73,12 +92,15 @@ void vc_paint_picture(const vc_picture *picture, double left, double top, double
         const uint8_t *row = picture->px + (size_t)(v >> SHIFT) * stride;
         size_t at = (size_t)y * image.width + across.first;
         int32_t u = across.from;
+        int factors[3] = {256, 256, 256};
+        if (picture->light != NULL) light_of(picture, v, factors);
         for (int x = across.first; x < across.last; x++, u += across.step, at++) {
             uint32_t share_x = (uint32_t)(u >> (SHIFT - 8)) & 255, share_y = (uint32_t)(v >> (SHIFT - 8)) & 255;
             uint32_t found = sample(row + 4 * (u >> SHIFT), stride, share_x, share_y);
             if (labels.px != NULL) {
                 if (changed(picture, found) >> 24 < 128) labels.px[at] = labels.label;
-            } else if (found < 0xff000000u) {
+            } else if (found != NOTHING) {
+                if (picture->light != NULL) found = lit(found, factors);
                 lay(is_plain ? found : changed(picture, found), image.px + 3 * at);
             }
         }

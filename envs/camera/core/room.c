@@ -13,7 +13,8 @@ static int grow(void *array, size_t count, size_t size) {
 
 static int room_for_objects(vc_scene_part *scene) {
     size_t count = (size_t)scene->reserved;
-    return grow(&scene->objects, count, sizeof *scene->objects) && grow(&scene->order, count, sizeof *scene->order) &&
+    return grow(&scene->lamps, (size_t)scene->lamp_room, sizeof *scene->lamps) &&
+           grow(&scene->objects, count, sizeof *scene->objects) && grow(&scene->order, count, sizeof *scene->order) &&
            grow(&scene->distance_m, count, sizeof(double)) && grow(&scene->nearest_m, count, sizeof(double));
 }
 
@@ -25,7 +26,7 @@ static int room_for_frame(vc_core *core) {
         faces = vc_max(faces, scene->mesh[i].faces.count);
         parts = vc_max(parts, scene->mesh[i].parts);
     }
-    size_t candidates = (size_t)scene->roadside.items + vc_tree_count(core);
+    size_t candidates = (size_t)scene->roadside.items + vc_tree_count(core) + scene->lamp_room;
     scene->face_room = scene->roadside.faces.count + faces * scene->reserved + VC_SHADOW_FACES;
     scene->item_room = (int)candidates + scene->reserved;
     scene->point_room = scene->face_room * (VC_CORNERS + 2);
@@ -48,7 +49,8 @@ static int room_for_drawing(vc_core *core) {
 
 vc_status vc_make_room(vc_core *core) {
     core->frame.item_count = core->frame.face_count = core->frame.point_count = core->frame.object_count = 0;
-    core->scene->order_count = 0;
+    core->scene->order_count = core->frame.lamp_count = 0;
+    core->scene->lamp_room = core->lamps == NULL ? 0 : 2 * core->scene->reserved + vc_lamp_room(core);
     return room_for_objects(core->scene) && room_for_frame(core) && room_for_drawing(core) ? VC_OK : VC_NO_MEMORY;
 }
 

@@ -7,7 +7,8 @@
 #include "vc_math.h"
 
 static void free_faces(Faces *faces) {
-    void *all[] = {faces->starts, faces->points_m, faces->normals, faces->offsets_m, faces->colours, faces->flags};
+    void *all[] = {faces->starts, faces->points_m, faces->normals, faces->offsets_m, faces->colours, faces->flags,
+                   faces->middles_m};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
 }
 
@@ -24,7 +25,7 @@ void vc_scene_free(vc_scene_part *scene) {
     free_faces(&scene->roadside.faces);
     Roadside *roadside = &scene->roadside;
     void *all[] = {(void *)scene->light.transmission, roadside->first,  roadside->circles_m,  roadside->from_m,
-                   roadside->until_m,                 roadside->fading, scene->mesh,          scene->objects,
+                   roadside->until_m,                 roadside->fading, scene->mesh,          scene->objects, scene->lamps,
                    scene->candidates,                 scene->order,     scene->nearest_m,     scene->distance_m, scene->boxes,
                    scene->in_front,                   scene->layer,     scene->part_distance, scene->part_order};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
@@ -49,6 +50,18 @@ static int take_corners(const double *from, int corners, double *to) {
     return kept;
 }
 
+static void middle_of(const double *points, int count, double *middle) {
+    for (int j = 0; j < 3; j++) {
+        double low = points[j], high = points[j];
+        for (int i = 1; i < count; i++) {
+            double place = points[3 * i + j];
+            low = place < low ? place : low;
+            high = place > high ? place : high;
+        }
+        middle[j] = 0.5 * (low + high);
+    }
+}
+
 /* Takes faces in an order, NULL for their own. */
 static vc_status take_faces(Faces *to, const vc_faces *from, const int32_t *order) {
     size_t count = (size_t)from->count;
@@ -58,8 +71,10 @@ static vc_status take_faces(Faces *to, const vc_faces *from, const int32_t *orde
     to->normals = malloc((count + 1) * 3 * sizeof(double));
     to->offsets_m = malloc((count + 1) * sizeof(double));
     to->colours = malloc((count + 1) * 3 * sizeof(double));
+    to->middles_m = malloc((count + 1) * 3 * sizeof(double));
     to->flags = malloc(count + 1);
-    if (!to->starts || !to->points_m || !to->normals || !to->offsets_m || !to->colours || !to->flags) return VC_NO_MEMORY;
+    if (!to->starts || !to->points_m || !to->normals || !to->offsets_m || !to->colours || !to->flags || !to->middles_m)
+        return VC_NO_MEMORY;
     to->count = from->count;
     to->starts[0] = 0;
     for (int i = 0; i < to->count; i++) {
@@ -70,6 +85,7 @@ static vc_status take_faces(Faces *to, const vc_faces *from, const int32_t *orde
         memcpy(to->normals + 3 * i, normal, 3 * sizeof(double));
         memcpy(to->colours + 3 * i, from->colours + 3 * source, 3 * sizeof(double));
         to->flags[i] = from->flags[source];
+        middle_of(to->points_m + 3 * to->starts[i], to->starts[i + 1] - to->starts[i], to->middles_m + 3 * i);
     }
     return VC_OK;
 }
@@ -109,7 +125,7 @@ vc_status vc_set_roadside(vc_core *core, const vc_roadside *from, const vc_faces
     vc_status status = take_faces(&to->faces, faces, NULL);
     if (status != VC_OK) return status;
     to->items = from->items;
-    shade(&scene->light, &to->faces);
+    if (core->lamps == NULL) shade(&scene->light, &to->faces);
     return vc_make_room(core);
 }
 

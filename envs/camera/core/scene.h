@@ -19,6 +19,7 @@ typedef struct {
     double *normals;   /* (count, 3) */
     double *offsets_m; /* (count,) of the planes */
     double *colours;   /* (count, 3) RGB in full light; of the roadside by day, contrasts with the horizon */
+    double *middles_m; /* (count, 3) of the bounding boxes */
     uint8_t *flags;
 } Faces;
 
@@ -59,6 +60,8 @@ struct vc_scene_part {
     Mesh *mesh;
     int reserved; /* objects */
     vc_object *objects;
+    vc_lamp *lamps;
+    int lamp_room;
     Candidate *candidates;  /* of scenery */
     int *order, order_count; /* objects in view, in drawing order */
     double *distance_m;      /* (order_count,) */
@@ -83,6 +86,15 @@ int vc_tree_count(const vc_core *core);
 int vc_tree_box(const vc_core *core, int tree, double depth_m, vc_item *item);
 void vc_paint_tree(const vc_core *core, const vc_item *item, vc_image image, vc_labels labels);
 void vc_draw_shadows(vc_core *core, vc_image image);
+
+/* Finds the street lamps near the view. */
+void vc_begin_lamps(vc_core *core);
+int vc_lamp_room(const vc_core *core); /* most lamps that shine into the camera from street lamps */
+/* The RGB factors in the light of lamps of a face with a normal at a point, in world axes, or of leaves (normal NULL). */
+void vc_lamplight(const vc_core *core, const double *point, const double *normal, int flags, double *factors);
+int vc_glow_count(const vc_core *core);
+int vc_glow_box(const vc_core *core, int lamp, vc_item *item);
+void vc_paint_glow(const vc_core *core, const vc_item *item, vc_image image);
 
 /* Premultiplied colour and transparency of a face: contrast with the horizon, through the haze at a depth. */
 uint32_t vc_hazed(const vc_light *light, const double *contrast, double depth_m, double opacity);

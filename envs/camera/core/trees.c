@@ -114,6 +114,20 @@ int vc_tree_box(const vc_core *core, int tree, double depth_m, vc_item *item) {
     return item->x0 < item->x1 && item->y0 < item->y1;
 }
 
+/* The light of lamps on a tree, which falls off upwards: factors of 256 at even heights of its picture. */
+static void light_heights(const vc_core *core, int index, double depth_m, const double *box, int light[VC_HEIGHTS][3]) {
+    const double *tree = core->trees->trees + TREE * index;
+    double down_up = core->frame.view.axes[1][2], depth_up = core->frame.view.axes[2][2]; /* of the camera's axes */
+    for (int i = 0; i < VC_HEIGHTS; i++) {
+        double y = box[1] + (i + 0.5) / VC_HEIGHTS * box[3] - 0.5 - core->camera.cy_px, factors[3];
+        double up = core->camera.height_m + depth_m * (y / core->camera.fy_px * down_up + depth_up);
+        double point[3] = {tree[0], tree[1], up};
+        if (point[2] < 0.0) point[2] = 0.0;
+        vc_lamplight(core, point, NULL, 0, factors);
+        for (int j = 0; j < 3; j++) light[i][j] = vc_round(256.0 * factors[j]);
+    }
+}
+
 void vc_paint_tree(const vc_core *core, const vc_item *item, vc_image image, vc_labels labels) {
     const Kind *kind = kind_of(core->trees, item->first);
     double box[4];
@@ -123,6 +137,11 @@ void vc_paint_tree(const vc_core *core, const vc_item *item, vc_image image, vc_
     const double *haze = kind->haze + HAZE * vc_min(kind->hazes - 1, vc_floor(item->depth_m / HAZE_M));
     vc_picture picture = {kind->px[level], kind->rows[level], kind->columns[level],
                           vc_round(256.0 * haze[0]), vc_round(256.0 * haze[1]),
-                          {vc_round(haze[2]), vc_round(haze[3]), vc_round(haze[4])}};
+                          {vc_round(haze[2]), vc_round(haze[3]), vc_round(haze[4])}, NULL};
+    int light[VC_HEIGHTS][3];
+    if (core->lamps != NULL && labels.px == NULL) {
+        light_heights(core, item->first, item->depth_m, box, light);
+        picture.light = light;
+    }
     vc_paint_picture(&picture, box[0], box[1], box[2], box[3], image, labels);
 }

@@ -41,6 +41,18 @@ static double distance_of(const Faces *faces, int index, const double *eye) {
     return n[0] * eye[0] + n[1] * eye[1] + n[2] * eye[2] - faces->offsets_m[index];
 }
 
+/* Contrast with the horizon of a face in the light of lamps; its middle and normal in world axes. */
+static void light_up(const vc_core *core, const Faces *faces, int index, const double *middle, const double *normal,
+                     double *contrast) {
+    double factors[3] = {1.0, 1.0, 1.0};
+    const double *horizon = core->scene->light.horizon;
+    if (faces->flags[index] & VC_LIT) vc_lamplight(core, middle, normal, faces->flags[index], factors);
+    for (int i = 0; i < 3; i++) {
+        double level = faces->colours[3 * index + i] * factors[i];
+        contrast[i] = (level < 255.0 ? level : 255.0) - horizon[i];
+    }
+}
+
 static void add_furniture(vc_core *core, int index, double depth_m) {
     const Roadside *roadside = &core->scene->roadside;
     const vc_view *view = &core->frame.view;
@@ -50,7 +62,13 @@ static void add_furniture(vc_core *core, int index, double depth_m) {
         double distance = distance_of(&roadside->faces, i, view->centre);
         double opacity = vc_limit(FULL - depth_m * roadside->fading[i], 0.0, 1.0);
         if (distance <= ON_EDGE_M || opacity <= 0.0) continue;
-        uint32_t colour = vc_hazed(&core->scene->light, roadside->faces.colours + 3 * i, depth_m, opacity);
+        double contrast[3];
+        const double *shown = roadside->faces.colours + 3 * i;
+        if (core->lamps != NULL) {
+            light_up(core, &roadside->faces, i, roadside->faces.middles_m + 3 * i, roadside->faces.normals + 3 * i, contrast);
+            shown = contrast;
+        }
+        uint32_t colour = vc_hazed(&core->scene->light, shown, depth_m, opacity);
         add_face(core, &growing, view->projection, &roadside->faces, i, distance, colour);
     }
     keep(core, &growing);
@@ -104,6 +122,17 @@ static uint32_t shaded(const vc_light *light, const Faces *faces, int index, con
     return vc_hazed(light, contrast, near->depth_m, opacity);
 }
 
+/* The same in the light of lamps. */
+static uint32_t lit_by_lamps(const vc_core *core, const Faces *faces, int index, const vc_object *object, const Near *near,
+                             double opacity) {
+    double c = vc_cos(object->heading_rad), s = vc_sin(object->heading_rad), contrast[3];
+    const double *n = faces->normals + 3 * index, *m = faces->middles_m + 3 * index;
+    double normal[3] = {c * n[0] - s * n[1], s * n[0] + c * n[1], n[2]};
+    double middle[3] = {object->x_m + c * m[0] - s * m[1], object->y_m + s * m[0] + c * m[1], m[2]};
+    light_up(core, faces, index, middle, normal, contrast);
+    return vc_hazed(&core->scene->light, contrast, near->depth_m, opacity);
+}
+
 static void add_object(vc_core *core, int index, double nearest_m) {
     vc_scene_part *scene = core->scene;
     const vc_object *object = scene->objects + index;
@@ -119,7 +148,9 @@ static void add_object(vc_core *core, int index, double nearest_m) {
         for (int i = mesh->part_first[part]; i < mesh->part_first[part + 1]; i++) {
             double distance = distance_of(&mesh->faces, i, near.eye);
             if (mesh->thickness_m[i] < thinnest_m || distance <= ON_EDGE_M) continue;
-            uint32_t colour = shaded(&scene->light, &mesh->faces, i, &near, opacity);
+            uint32_t colour = core->lamps == NULL
+                                  ? shaded(&scene->light, &mesh->faces, i, &near, opacity)
+                                  : lit_by_lamps(core, &mesh->faces, i, object, &near, opacity);
             add_face(core, &growing, near.projection, &mesh->faces, i, distance, colour);
         }
     }
@@ -157,8 +188,20 @@ static void add_scenery(vc_core *core, const Candidate *candidate) {
         add_furniture(core, candidate->index, candidate->depth_m);
         return;
     }
-    vc_item item = {VC_TREE, -1, candidate->index, candidate->index, 0, 0, 0, 0, candidate->depth_m};
-    if (vc_tree_box(core, candidate->index, candidate->depth_m, &item)) core->frame.items[core->frame.item_count++] = item;
+    vc_item item = {candidate->kind, -1, candidate->index, candidate->index, 0, 0, 0, 0, candidate->depth_m};
+    int shows = candidate->kind == VC_TREE ? vc_tree_box(core, candidate->index, candidate->depth_m, &item)
+                                           : vc_glow_box(core, candidate->index, &item);
+    if (shows) core->frame.items[core->frame.item_count++] = item;
+}
+
+/* The lamps of an object, or those that belong to none, as candidates. */
+static int find_lamps(const vc_core *core, int object, Candidate *candidates) {
+    int count = 0;
+    for (int i = 0; i < core->frame.lamp_count; i++) {
+        const vc_lamp *lamp = core->frame.lamps + i;
+        if (lamp->object == object) candidates[count++] = (Candidate){lamp->depth_m, VC_GLOW, i};
+    }
+    return count;
 }
 
 /* Objects in their own order; scenery before the first object that begins nearer. */
@@ -166,6 +209,7 @@ static void add_all(vc_core *core) {
     vc_scene_part *scene = core->scene;
     int count = find_furniture(core, scene->candidates);
     count += vc_find_trees(core, scene->candidates + count);
+    count += find_lamps(core, -1, scene->candidates + count);
     qsort(scene->candidates, (size_t)count, sizeof *scene->candidates, by_depth);
     int next = 0;
     for (int k = 0; k < scene->order_count; k++) {
@@ -173,13 +217,24 @@ static void add_all(vc_core *core) {
         for (; next < count && scene->candidates[next].depth_m > scene->nearest_m[object]; next++)
             add_scenery(core, scene->candidates + next);
         add_object(core, object, scene->nearest_m[object]);
+        int lamps = find_lamps(core, object, scene->candidates + count);
+        for (int i = 0; i < lamps; i++) add_scenery(core, scene->candidates + count + i);
     }
     for (; next < count; next++) add_scenery(core, scene->candidates + next);
 }
 
-vc_status vc_begin(vc_core *core, const vc_pose *pose, const vc_object *objects, int count) {
+static int are_lamps(const vc_core *core, const vc_lamp *lamps, int count) {
+    if (count < 0 || count > (core->scene == NULL ? 0 : core->scene->lamp_room)) return 0;
+    for (int i = 0; i < count; i++)
+        if (lamps[i].glow < 0 || lamps[i].glow >= vc_glow_count(core) || lamps[i].depth_m <= 0.0) return 0;
+    return 1;
+}
+
+vc_status vc_begin(vc_core *core, const vc_pose *pose, const vc_object *objects, int count, const vc_lamp *lamps,
+                   int lamp_count) {
     vc_scene_part *scene = core->scene;
     if (count < 0 || count > (scene == NULL ? 0 : scene->reserved)) return VC_INVALID;
+    if (!are_lamps(core, lamps, lamp_count)) return VC_INVALID;
     for (int i = 0; i < count; i++)
         if (objects[i].mesh < -1 || objects[i].mesh >= scene->meshes) return VC_INVALID;
     vc_frame *frame = &core->frame;
@@ -190,6 +245,10 @@ vc_status vc_begin(vc_core *core, const vc_pose *pose, const vc_object *objects,
     if (scene == NULL) return VC_OK;
     if (count > 0) memcpy(scene->objects, objects, (size_t)count * sizeof *objects);
     frame->objects = scene->objects;
+    if (lamp_count > 0) memcpy(scene->lamps, lamps, (size_t)lamp_count * sizeof *lamps);
+    frame->lamps = scene->lamps;
+    frame->lamp_count = lamp_count;
+    vc_begin_lamps(core);
     vc_order_objects(core);
     add_all(core);
     return VC_OK;

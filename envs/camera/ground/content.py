@@ -11,11 +11,13 @@ from vpf_sim.envs.camera.detail import detail
 from vpf_sim.envs.camera.ground.appearance import ramp
 from vpf_sim.envs.camera.ground.levels import ALONG, Level, levels
 from vpf_sim.envs.camera.ground.paint import GRASS, Batch, painted
-from vpf_sim.envs.camera.ground.palette import blotch_strength, grain_strength, ground_table
+from vpf_sim.envs.camera.ground.palette import blotch_strength, grain_strength, ground_table, lamp_table
 from vpf_sim.envs.camera.ground.rasters import ROWS, RasterShape, raster_shape
 from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.night.ground_light import paint_efficiency
+from vpf_sim.envs.camera.night.lamplight import Lamplight
 from vpf_sim.envs.camera.texture import TILE, grain_tile
 from vpf_sim.scenarios.parts import RoadAppearance
 from vpf_sim.seeding import stream
@@ -61,10 +63,17 @@ def set_ground(
     shadows: list[Floats],
     haze: Haze,
     gains: tuple[Floats, ...],
+    lamplight: Lamplight | None,
 ) -> None:
-    """Set the ground of a road; `shadows` are the convex outlines (V, 2) m of the scenery's shadows."""
+    """Set the ground of a road.
+
+    `shadows` are the convex outlines (V, 2) m of the scenery's shadows; `lamplight` is None by day.
+    """
+    colours = ramp(look)
     core.set_ground(
-        palette=ground_table(light, wetness, ramp(look)),
+        palette=ground_table(light, wetness, colours)
+        if lamplight is None
+        else lamp_table(wetness, colours, paint_efficiency(wetness, lamplight.share)),
         shade=light.shadow,
         outside=GRASS,
         tiles=noise_tiles(),

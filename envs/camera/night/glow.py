@@ -16,7 +16,11 @@ GLARE, GLARE_PX = 0.04, 3.0  # share of the light that lens and glass scatter, a
 STEPS = 4  # brightness levels per power of 2
 FAINTEST = 3.0  # grey levels; the image ends where it is fainter
 LARGEST_PX = 72  # radius of an image
+FAINTEST_FLUX = 0.02  # pixels of full brightness; fainter lamps are left out
 WHITE_CD_M2 = 0.175  # luminance of a grey level of 255 for each lx of `white_lx`: of a surface of 0.55 / pi
+
+
+GlowKind = tuple[int, tuple[float, float, float], float]  # brightness level, colour, diameter in px
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,13 +47,19 @@ def flux_px(camera: Camera, lux: float, white_lx: float) -> float:
     return lux * camera.fx_px**2 / (WHITE_CD_M2 * white_lx)
 
 
-def glow(camera: Camera, lamp: Lamp) -> Glow | None:
-    """The lamp's image; None outside the frame or too faint."""
-    if lamp.flux < 0.02:
+def kind_of_glow(lamp: Lamp) -> GlowKind | None:
+    """What the lamp's image depends on, in steps; None if it is too faint."""
+    if lamp.flux < FAINTEST_FLUX:
         return None
-    level = round(STEPS * log2(lamp.flux))
-    size = round(2.0 * lamp.size_px) / 2.0
-    picture = _picture(level, lamp.colour, size, camera.fx_px)
+    return round(STEPS * log2(lamp.flux)), lamp.colour, round(2.0 * lamp.size_px) / 2.0
+
+
+def glow(camera: Camera, lamp: Lamp) -> Glow | None:
+    """The lamp's image in the frame; None outside the frame or too faint."""
+    kind = kind_of_glow(lamp)
+    if kind is None:
+        return None
+    picture = glow_picture(*kind, camera.fx_px)
     radius = len(picture) // 2
     x, y = round(lamp.x_px), round(lamp.y_px)
     x0, y0 = max(x - radius, 0), max(y - radius, 0)
@@ -62,7 +72,7 @@ def glow(camera: Camera, lamp: Lamp) -> Glow | None:
 
 
 @lru_cache(maxsize=256)
-def _picture(level: int, colour: tuple[float, float, float], size_px: float, fx_px: float) -> Image:
+def glow_picture(level: int, colour: tuple[float, float, float], size_px: float, fx_px: float) -> Image:
     """(n, n, 4) a lamp in its middle: 255 (flux x spread)^(1 / 2.2), and full transparency."""
     flux, scale = 2.0 ** (level / STEPS), fx_px / 320.0
     radius = 2

@@ -38,7 +38,7 @@ class GroundLight:
         farthest_px = road_row_px(camera, FARTHEST_M)
         rows = np.maximum(np.arange(ground_top(camera), camera.height_px, dtype=float), farthest_px)
         view = View.at(camera, np.zeros(2), 0.0)
-        self._points_m = _ground(view, columns, rows)
+        self._points_m = ground_points(view, columns, rows)
         self._beam_lx = ASPHALT * lamplight.beam_lx(view, self._points_m)
         self._beam = self._multiplier(self._beam_lx)
 
@@ -59,7 +59,7 @@ class GroundLight:
         return np.asarray(cv2.cvtColor(full, cv2.COLOR_GRAY2RGB), np.uint8)
 
 
-def _ground(view: View, columns: Floats, rows: Floats) -> Floats:
+def ground_points(view: View, columns: Floats, rows: Floats) -> Floats:
     """(rows, columns, 3) m, world points of the ground at pixels."""
     x, y = np.meshgrid(columns, rows)
     points = np.stack([x, y, np.ones_like(x)], axis=-1) @ view.ground_homography().T

@@ -6,7 +6,7 @@ from math import cos, hypot, sin
 import numpy as np
 
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.night.glow import Glow, Lamp, flux_px, glow
+from vpf_sim.envs.camera.night.glow import Lamp, flux_px
 from vpf_sim.envs.camera.night.lamplight import STREET_CD
 from vpf_sim.envs.camera.night.low_beam import intensity_cd
 from vpf_sim.envs.camera.view import View
@@ -35,7 +35,7 @@ PLACES = {
 }
 
 
-def vehicle_lamps(view: View, pose: Floats, kind: str, size: tuple[float, float, float], light: Light) -> list[Glow]:
+def vehicle_lamps(view: View, pose: Floats, kind: str, size: tuple[float, float, float], light: Light) -> list[Lamp]:
     """The tail lamps, or the low beams, of a vehicle of `size` (length, width, height) at a pose (x, y, heading)."""
     places = PLACES.get(kind)
     if places is None:
@@ -53,14 +53,14 @@ def vehicle_lamps(view: View, pose: Floats, kind: str, size: tuple[float, float,
         across = c * (eye_y - place[1]) - s * (eye_x - place[0])
         if behind and ahead < -0.1:
             cd = TAIL_CD * -ahead / hypot(ahead, across)
-            found.append(_glow(view, place, cd, RED, TAIL_SIZE_M, light))
+            found.append(_lamp(view, place, cd, RED, TAIL_SIZE_M, light))
         elif not behind and ahead > 0.1:
             cd = float(intensity_cd(np.array(across / ahead), np.array((eye_z - height) / ahead)))
-            found.append(_glow(view, place, cd, WHITE, HEAD_SIZE_M, light))
+            found.append(_lamp(view, place, cd, WHITE, HEAD_SIZE_M, light))
     return [one for one in found if one is not None]
 
 
-def street_lamps(view: View, lamps_m: Floats, light: Light) -> list[Glow]:
+def street_lamps(view: View, lamps_m: Floats, light: Light) -> list[Lamp]:
     """The street lamps at world points (n, 3), the farthest first."""
     depths = (lamps_m - view.centre) @ view.axes[2]
     found = []
@@ -69,20 +69,19 @@ def street_lamps(view: View, lamps_m: Floats, light: Light) -> list[Glow]:
         apart = hypot(place[0] - view.centre[0], place[1] - view.centre[1])
         drop = place[2] - float(view.centre[2])
         cd = STREET_CD * min(max(4.0 - hypot(apart, drop) / max(drop, 0.1), 0.08), 1.0)
-        found.append(_glow(view, place, cd, WARM, STREET_SIZE_M, light))
+        found.append(_lamp(view, place, cd, WARM, STREET_SIZE_M, light))
     return [one for one in found if one is not None]
 
 
-def _glow(
+def _lamp(
     view: View, place: tuple[float, ...], cd: float, colour: tuple[float, float, float], size_m: float, light: Light
-) -> Glow | None:
-    """The image of a lamp of `cd` towards the camera at a world point; None if it does not show."""
+) -> Lamp | None:
+    """A lamp of `cd` towards the camera at a world point; None if it does not show."""
     point = view.camera_axes(np.array(place))
     depth = float(point[2])
     distance = float(np.linalg.norm(point))
     if not NEAREST_M < depth < RANGE_M:
         return None
     x, y = view.pixels(point).tolist()
-    camera = view.camera
-    flux = flux_px(camera, cd / distance**2, light.white_lx)
-    return glow(camera, Lamp(x, y, depth, flux, colour, camera.fx_px * size_m / depth))
+    flux = flux_px(view.camera, cd / distance**2, light.white_lx)
+    return Lamp(x, y, depth, flux, colour, view.camera.fx_px * size_m / depth)

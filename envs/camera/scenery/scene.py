@@ -10,7 +10,7 @@ from vpf_sim.envs.camera.detail import stale_m
 from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.night.glow import Glow
+from vpf_sim.envs.camera.night.glow import Glow, glow
 from vpf_sim.envs.camera.night.lamps import vehicle_lamps
 from vpf_sim.envs.camera.painter import Drawing, Sprite, footprint, paint
 from vpf_sim.envs.camera.scenery.bands import banded
@@ -111,7 +111,9 @@ class Scene:
         obj = now.objects[index]
         if isinstance(obj, Obstacle):
             return []
-        return vehicle_lamps(now.view, now.poses[obj], kind_of(obj), object_size(obj), self._light)
+        found = vehicle_lamps(now.view, now.poses[obj], kind_of(obj), object_size(obj), self._light)
+        glows = [glow(now.view.camera, lamp) for lamp in found]
+        return [one for one in glows if one is not None]
 
     def _make_shapes(self, now: Snapshot) -> None:
         """Make the meshes of all objects in the road's order, which numbers them."""

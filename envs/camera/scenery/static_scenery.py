@@ -5,6 +5,7 @@ import numpy as np
 from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
+from vpf_sim.envs.camera.night.glow import glow
 from vpf_sim.envs.camera.night.lamplight import Lamplight
 from vpf_sim.envs.camera.night.lamps import street_lamps
 from vpf_sim.envs.camera.painter import Drawing, Sprite
@@ -46,7 +47,8 @@ class StaticScenery:
         if self.lamplight is None:
             return trees
         lamps = street_lamps(view, self.lamplight.lamps_ahead(view, TALL_RANGE_M), self.lamplight.light)
-        return sorted([*trees, *lamps], key=lambda sprite: -sprite.depth_m)
+        glows = [one for lamp in lamps if (one := glow(view.camera, lamp)) is not None]
+        return sorted([*trees, *glows], key=lambda sprite: -sprite.depth_m)
 
     def shadow_polygons(self, light: Light) -> list[Floats]:
         """(n, 2) m, shadow outlines on the ground of furniture, trees and bushes."""

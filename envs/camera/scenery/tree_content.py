@@ -23,7 +23,7 @@ from vpf_sim.types import Floats
 
 def plant(core: Core, trees: Trees, light: Light, haze: Haze) -> None:
     """Set the trees of a road."""
-    tint = np.diag([*(light.sky + 0.5 * light.direct) / NOON, 1.0])
+    tint = np.diag([*(np.ones(3) if light.has_lamps else (light.sky + 0.5 * light.direct) / NOON), 1.0])
     pictures = [tree_picture(variant) for variant in range(VARIANTS)]
     for picture, range_m in zip(pictures, RANGES_M, strict=True):
         levels = [np.asarray(cv2.transform(level, tint), np.uint8) for level in picture.levels]
