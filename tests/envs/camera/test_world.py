@@ -15,7 +15,7 @@ from vpf_sim.envs.camera.snapshot import Snapshot
 from vpf_sim.envs.camera.world import World
 from vpf_sim.types import Camera, Image
 
-DRY = ("ClearNoon", "CloudyNoon", "ClearSunset", "FoggyNoon")
+DRY = ("ClearNoon", "CloudyNoon", "ClearSunset", "FoggyNoon", "ClearNight")
 SIZES = {"84": Camera(84, 84), "160": Camera(160, 120), "640": Camera(640, 480)}
 
 

@@ -201,10 +201,10 @@ def test_truth_is_that_of_the_day() -> None:
         found.append(camera.truth(("depth", "instance", "flow")))
     day, night = found
     same = day["instance"] == night["instance"]
-    assert same.mean() > 0.99, "edges are rounded to other parts of a pixel"
+    assert same.mean() > 0.9995, "edges of cut faces are rounded"
     for name in ("depth", "flow"):
         equal = np.isclose(day[name], night[name], rtol=1e-3, atol=1e-3)
-        assert equal.mean() > 0.99
+        assert equal.mean() > 0.9995
 
 
 def test_skipped_frames_change_nothing() -> None:
