@@ -10,7 +10,6 @@ once a second. None of them uses frames, so this takes seconds. Prints
     curve-right slow     arrives   0%
     curve-right stanley  arrives 100%
     path MSE on curve-left, stanley minus pid: -0.0087 m2 (95 % interval -0.0089 to -0.0084)
-    page: run/report.html
 
 python sweep_and_compare.py [FOLDER] stores the run in FOLDER/run, otherwise in a temporary folder.
 """
@@ -49,7 +48,8 @@ def main(folder: Path) -> None:
     difference, (low, high) = pairs.iloc[0][["path_mse_m2.difference", "path_mse_m2.interval"]]
     print(f"path MSE on curve-left, stanley minus pid: {difference:.4f} m2 (95 % interval {low:.4f} to {high:.4f})")
     vpf_sim.report(run, clips=0)
-    print(f"page: {(run.path / 'report.html').relative_to(folder)}")
+    if sys.argv[1:]:  # otherwise the folder is about to go
+        print(f"page: {run.path / 'report.html'}")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """`vpf-sim drive`: one episode."""
 
 import sys
+from collections.abc import Iterator
 from contextlib import redirect_stdout
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -75,15 +76,13 @@ def _answer(episode: "Episode", as_json: bool) -> None:
     if as_json:
         print_json({**record, "timing": {key: timing[key] for key in ("wall_s", "steps_per_s")}})
         return
-    shadow = (record["accuracy"] or {}).get("shadow") or {}
-    accuracy = ", ".join(f"{name} {_share((shadow.get(name) or {}).get('range'))}" for name in ("throttle", "steering"))
     print(f"{record['id']}: {record['status']}")
     if record["collided_with"]:
         print(f"  collided with    {record['collided_with']}, {_fault(record)}")
     print(f"  route driven     {_share(record['route_completion'])}")
-    print(f"  path MSE         {measure(record['path_mse_m2'], 'm2', 3)}")
     print(f"  least clearance  {measure(record['min_clearance_m'], 'm')}")
-    print(f"  against the PID  {accuracy} (range, shadow)")
+    for line in _quality(record):
+        print(f"  {line}")
     print(f"  {record['steps']} steps, {timing['steps_per_s']:.0f} a second")
     print(f"  record and steps {folder}")
 
@@ -100,6 +99,18 @@ def _fault(record: dict[str, Any]) -> str:
         "active_lateral": f"the sides touched, the ego {lane}",
     }[kind]
     return f"the fault is {'the ego' if record['at_fault_collisions'] else 'the other'}'s: {why} ({kind})"
+
+
+def _quality(record: dict[str, Any]) -> Iterator[str]:
+    """Path and commands of a drive that arrived: those of a short one look better than they are."""
+    if record["status"] != "success":
+        yield "path, commands   not rated: it did not arrive"
+        return
+    yield f"path MSE         {measure(record['path_mse_m2'], 'm2', 3)}"
+    if record["driver"] != "pid":
+        shadow = (record["accuracy"] or {}).get("shadow") or {}
+        shares = (f"{name} {_share((shadow.get(name) or {}).get('range'))}" for name in ("throttle", "steering"))
+        yield f"like the PID     {', '.join(shares)} (100 % less half the mean difference, in the same states)"
 
 
 def _share(share: float | None) -> str:

@@ -4,7 +4,6 @@ import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from textwrap import fill
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -227,26 +226,20 @@ def _progress(name: str) -> Any:
 
 def _report(folder: "ReplayFolder", summary: dict[str, Any], as_json: bool) -> None:
     from vpf_sim.replay import page
-    from vpf_sim.replay.tables import tables
+    from vpf_sim.replay.tables import drives, real_images, warnings
 
     records, timing = folder.records(), folder.timing()
     path = page.write(folder.path, records, timing, summary)
     if as_json:
         print_json({"out": str(folder.path), "report": str(path), "drives": records, "timing": timing, **summary})
     else:
-        print_all(tables(records, timing, summary))
-        print(f"\nplots and videos: {path}\nframes and records: {folder.path}")
+        print_short([warnings(records), drives(records), real_images(summary["rows"], summary["differences"])])
+        print(f"\nall tables, plots and videos: {path}\nframes and records: {folder.path}")
 
 
-WIDTH = 120  # of a note
-
-
-def print_all(tables: "Sequence[Table]") -> None:
-    """Print each table with its notes."""
-    for number, table in enumerate(tables):
+def print_short(tables: "Sequence[Table]") -> None:
+    """Print tables without notes and without rows that lack a recording, which the page has."""
+    shown = [table for table in tables if len(table.rows) > table.empty]
+    for number, table in enumerate(shown):
         print(("\n" if number else "") + table.title + "\n")
-        print_table(table.header, table.rows, table.words)
-        if table.notes:
-            print()
-        for note in table.notes:
-            print(fill(note, WIDTH, subsequent_indent="  ", break_long_words=False))
+        print_table(table.header, table.rows[: len(table.rows) - table.empty], table.words)

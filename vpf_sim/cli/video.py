@@ -62,5 +62,8 @@ def _write(drawn: "Redrawing", path: Path) -> None:
 
 
 def _show_progress(done: int, total: int) -> None:
-    if sys.stderr.isatty():
+    if not sys.stderr.isatty():
+        if done % max(total // 4, 1) == 0:
+            print(f"{done}/{total} frames", file=sys.stderr, flush=True)
+    else:
         print(f"\r{done}/{total} frames", end="\n" if done == total else "", file=sys.stderr, flush=True)

@@ -48,6 +48,28 @@ class Check:
         return replace(self, seeds=self.seeds[:count], drives=self.drives[:count])
 
 
+NO_SUCCESS = "no successful episode"
+
+
+def listed(checks: Sequence[Check]) -> list[Check]:
+    """The checks to show a reader: lost drives first, without rules that do not apply and what follows from a loss.
+
+    Where a cell fails by its endings, that no episode succeeded says nothing more.
+    """
+    lost = {one.cell for one in checks if one.outcome == "failed" and _is_of_endings(one)}
+    shown = [
+        one
+        for one in checks
+        if one.outcome != "skipped" and not (one.actual.startswith(NO_SUCCESS) and one.cell in lost)
+    ]
+    return sorted(shown, key=lambda one: (one.outcome != "failed", not _is_of_endings(one)))
+
+
+def _is_of_endings(check: Check) -> bool:
+    """Whether a rule is about how episodes end."""
+    return check.expected.startswith(("success_rate", "collisions"))
+
+
 def repeats(failed: Iterable[Check]) -> list[str]:
     """The commands that repeat failures, one for each cell, with at most `MOST_SEEDS` seeds, the worst first."""
     merged: dict[tuple[Cell, str], Check] = {}

@@ -14,7 +14,7 @@ import numpy as np
 from vpf_sim.evaluation.analysis.statistics import mean_interval
 from vpf_sim.evaluation.gate import baseline, perception
 from vpf_sim.evaluation.gate.cells import FAULTS, Cell, Episodes, Run, values_of, worst_first
-from vpf_sim.evaluation.gate.checks import Check, matching, number
+from vpf_sim.evaluation.gate.checks import NO_SUCCESS, Check, matching, number
 from vpf_sim.evaluation.gate.rules import SCORES, Detail, Rule, Score
 
 
@@ -71,7 +71,7 @@ def _without_values(cell: Cell, expected: str, score: Score | Detail, episodes: 
         return Check(cell, expected, "no obstacles" if score == "clearance_m" else "not measured", "skipped")
     if score in OF_PERCEPTION and not any(episode is not None and episode.perception for episode in episodes.values()):
         return Check(cell, expected, "no perception shown", "skipped")
-    return Check(cell, expected, "no successful episode", "failed", tuple(sorted(episodes)))
+    return Check(cell, expected, NO_SUCCESS, "failed", tuple(sorted(episodes)))
 
 
 def _no_worse(rule: Rule, run: Run, cells: Sequence[Cell], path: Path) -> list[Check]:
