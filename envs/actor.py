@@ -49,14 +49,15 @@ class Actor(Vehicle):  # type: ignore[misc]
         oncoming: bool = False,
         manoeuvres: Sequence[Manoeuvre] = (),
         lane_m: float = 0.0,
+        lane: int = 1,
     ) -> None:
-        """`lane_m` is the middle of its lane on the carriageway, from which manoeuvres count their lateral position."""
+        """`lane_m` is the middle of lane number `lane`, from which manoeuvres count their lateral position."""
         self.place = place  # s, lateral on the carriageway
         self._forward = -1.0 if oncoming else 1.0
         self._turn_rad = math.pi if oncoming else 0.0  # heading to the road's
         self._along_mps = speed
         self._rate_mps2: float | None = None  # of a manoeuvre
-        self._lane_m = lane_m
+        self._lane_m, self._lane = lane_m, lane
         self._lateral_m, self._lateral_mps = place[1], 0.0  # wanted
         self._waiting, self._waited_s = list(manoeuvres), 0.0
         centre = road.network.centre
@@ -79,7 +80,7 @@ class Actor(Vehicle):  # type: ignore[misc]
 
     def put_at(self, s_m: float) -> None:
         """Put it at another place along its lane; speed and manoeuvres stay."""
-        self.place = (s_m, self.place[1])
+        self.place = (s_m, self.place[1] + self._follow_lane(s_m))
         self._set_pose()
 
     def step(self, dt: float) -> None:
@@ -91,6 +92,7 @@ class Actor(Vehicle):  # type: ignore[misc]
         centre = self.road.network.centre
         driven_m = 0.5 * (before_mps + self._along_mps) * dt
         s += self._forward * driven_m / (1.0 - lateral * centre.curvature_at(s))
+        lateral += self._follow_lane(s)
         aside_m = 0.0 if self.crashed else min(abs(self._lateral_m - lateral), self._lateral_mps * dt)
         aside_mps = math.copysign(aside_m / dt, self._lateral_m - lateral)
         self.place = (s, lateral + aside_mps * dt)
@@ -99,6 +101,16 @@ class Actor(Vehicle):  # type: ignore[misc]
             self._turn_rad = math.atan2(aside_mps, self._forward * self._along_mps)
         self._set_pose()
         self.impact = None
+
+    def _follow_lane(self, s_m: float) -> float:
+        """m, how far the middle of its lane is right of where it was; what is wanted moves with it."""
+        places = getattr(self.road.network, "places", None)
+        if places is None:
+            return 0.0
+        shift_m = float(places.middle(self._lane, s_m)) - self._lane_m
+        self._lane_m += shift_m
+        self._lateral_m += shift_m
+        return shift_m
 
     def on_state_update(self) -> None:
         """Nothing to update: the lane never changes."""

@@ -262,7 +262,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         return {
             "status": status,
             "route_m": self._route_m,
-            "lane_offset_m": self.ego.place[1] - self._path.offset_m,
+            "lane_offset_m": self.ego.place[1] - self._path.offset_at(self.ego.place[0]),
             "clearance_m": clearance(self.ego),
             "collided_with": self._collided_with() if status == "collision" else None,
             **({"ego": self._state()} if self._reads_with_errors else {}),

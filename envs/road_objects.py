@@ -53,10 +53,10 @@ globals().update({cls.__name__: cls for cls in (*STATIC_OBSTACLES.values(), *ACT
 def place_objects(road: Road, scenario: Scenario) -> None:
     """Put the objects of a scenario on its road, along their lanes."""
     for obj in scenario.bodies:
-        lane_m = scenario.road.lane_offset_m(obj.lane)
+        lane_m = scenario.road.lane_offset_m(obj.lane, obj.s_m)
         place = (obj.s_m, lane_m + obj.lateral_m)
         if obj.is_actor:
-            actor = ACTORS[obj.kind](road, place, obj.speed_mps, obj.oncoming, obj.manoeuvres, lane_m)
+            actor = ACTORS[obj.kind](road, place, obj.speed_mps, obj.oncoming, obj.manoeuvres, lane_m, obj.lane)
             road.vehicles.append(actor)
         else:
             road.objects.append(STATIC_OBSTACLES[obj.kind](road, place, obj.oncoming))

@@ -52,7 +52,7 @@ def build_world(scenario: DrawnScenario, seed: int, friction: float | None = Non
     route = Route.of(road.network.centre, scenario)
     place_objects(road, scenario)
     start = scenario.ego
-    position = np.array(route.centre.position_at(start.s_m, route.offset_m + start.lateral_m))
+    position = np.array(route.centre.position_at(start.s_m, route.offset_at(start.s_m) + start.lateral_m))
     heading = route.centre.heading_at(start.s_m) + radians(start.heading_deg)
     ego = Ego(road, position, heading, start.speed_mps, friction)
     road.vehicles.append(ego)

@@ -10,6 +10,10 @@ BESIDE_M = 6.0  # beside the carriageway, where actors may wait and go
 
 def faults(road: Road, ego: Ego, goal: Goal, bodies: Sequence[ObjectSpec], vary: Vary) -> Iterator[str]:
     """Every fault, for any seed: a scenario that passes is valid for all seeds."""
+    found = list(_width_faults(road))
+    yield from found
+    if found:  # nothing can be placed
+        return
     yield from _road_faults(road)
     yield from _vary_faults(ego, bodies, vary)
     yield from _goal_faults(road, ego, goal, vary)
@@ -37,6 +41,14 @@ def _road_faults(road: Road) -> Iterator[str]:
             )
 
 
+def _width_faults(road: Road) -> Iterator[str]:
+    for i, one in enumerate(road.widths):
+        if len(one.lanes_m) != road.lanes:
+            yield f"road.widths[{i}].lanes_m: expected {road.lanes} widths, one for each lane, got {len(one.lanes_m)}"
+        if i > 0 and one.s_m <= road.widths[i - 1].s_m:
+            yield f"road.widths[{i}].s_m: expected more than {road.widths[i - 1].s_m:g}, as before, got {one.s_m:g}"
+
+
 def _manoeuvre_faults(key: str, road: Road, spec: ObjectSpec) -> Iterator[str]:
     if spec.manoeuvres and spec.kind not in MOVING:
         yield f"{key}.manoeuvres: expected none for a {spec.kind}, which cannot move"
@@ -48,10 +60,11 @@ def _manoeuvre_faults(key: str, road: Road, spec: ObjectSpec) -> Iterator[str]:
             yield f"{where}: expected either after_s or within_m, got {got}"
         if manoeuvre.speed_mps is None and manoeuvre.lateral_m is None:
             yield f"{where}: expected speed_mps, lateral_m or both, got neither"
-        if manoeuvre.lateral_m is not None and abs(road.lane_offset_m(spec.lane) + manoeuvre.lateral_m) > farthest_m:
+        middle_m = road.lane_offset_m(spec.lane, spec.s_m)
+        if manoeuvre.lateral_m is not None and abs(middle_m + manoeuvre.lateral_m) > farthest_m:
             yield (
                 f"{where}.lateral_m: expected a place within {farthest_m:g} m of the carriageway's centre, "
-                f"got {road.lane_offset_m(spec.lane) + manoeuvre.lateral_m:g}"
+                f"got {middle_m + manoeuvre.lateral_m:g}"
             )
 
 
@@ -85,19 +98,21 @@ def _place_faults(key: str, road: Road, part: Ego | ObjectSpec, size: Size, vary
         yield f"{key}.lane: expected 1 to {lanes}, counted from the right, got {part.lane}"
         return
     noun, group = ("ego", "ego") if isinstance(part, Ego) else ("obstacle", "bodies")
-    centre_m = road.lane_offset_m(part.lane) + part.lateral_m
+    centre_m = road.lane_offset_m(part.lane, part.s_m) + part.lateral_m
     low, high = _extent(part.s_m, size.length_m, _change(vary, f"{group}.s_m"))
     if low < 0.0 or high > road.length_m:
         yield (
             f"{key}.s_m: {noun} off the road: expected the whole object between 0 and {road.length_m:g} m along the "
             f"road, got {low:g} to {high:g} m"
         )
+    left_m, right_m = road.edges_m(low, high)
     low, high = _extent(centre_m, size.width_m, _change(vary, f"{group}.lateral_m"))
-    half_m = road.half_width_m + (BESIDE_M if isinstance(part, ObjectSpec) and part.manoeuvres else 0.0)
-    if low < -half_m or high > half_m:
+    beside_m = BESIDE_M if isinstance(part, ObjectSpec) and part.manoeuvres else 0.0
+    left_m, right_m = left_m - beside_m, right_m + beside_m
+    if low < left_m or high > right_m:
         yield (
-            f"{key}.lateral_m: {noun} off the road: expected the whole object between {-half_m:g} and "
-            f"{half_m:g} m from the carriageway's centre, got {low:g} to {high:g} m"
+            f"{key}.lateral_m: {noun} off the road: expected the whole object between {left_m:g} and "
+            f"{right_m:g} m from the carriageway's centre, got {low:g} to {high:g} m"
         )
 
 

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, PositiveInt, m
 
 from vpf_sim.configuration import STRICT
 from vpf_sim.scenarios.kinds import ObjectKind
+from vpf_sim.scenarios.lane_places import LanePlaces
 
 MOST_ROAD_M = 20_000.0  # longest road: lanes, paint and trees are built before the first frame
 FASTEST_MPS = 60.0  # bounds of the observation space, as the next two
@@ -103,10 +104,25 @@ class RoadAppearance(Section):
     shadows: bool = Field(default=False, description="true: trees, posts, signs and gantries cast shadows in the sun")
 
 
+class LaneWidths(Section):
+    """The widths of all lanes at one place; between places they change linearly, beyond the ends they stay."""
+
+    s_m: Annotated[float, Field(ge=0.0, le=MOST_ROAD_M)] = Field(description="along the road")
+    lanes_m: Annotated[tuple[LaneWidth, ...], Field(strict=False, min_length=1, max_length=MOST_LANES)] = Field(
+        description="width of each lane, from the right"
+    )
+    left_edge_m: Annotated[float, Field(ge=-400.0, le=400.0)] | None = Field(
+        default=None, description="of the carriageway, right of the centre line; none: half the width to its left"
+    )
+
+
 class Road(Section):
     look: RoadAppearance = RoadAppearance()
     lanes: Lanes = Field(default=4, description="of the carriageway")
     lane_width_m: LaneWidth = Field(default=3.5, description="of each")
+    widths: Annotated[tuple[LaneWidths, ...], Field(strict=False)] = Field(
+        default=(), description="of lanes that differ or change along the road, in place of `lane_width_m`"
+    )
     oncoming_lanes: Annotated[int, Field(ge=0, le=19)] = Field(
         default=0, description="of the lanes, the leftmost, beyond a solid line"
     )
@@ -127,11 +143,25 @@ class Road(Section):
 
     @property
     def half_width_m(self) -> float:
-        return self.lanes * self.lane_width_m / 2.0
+        """m, the largest distance of an edge from the centre line."""
+        return self.lane_places.widest_m if self.lane_places else self.lanes * self.lane_width_m / 2.0
 
-    def lane_offset_m(self, lane: int) -> float:
-        """m, a lane's centre right of the carriageway's centre."""
+    @property
+    def lane_places(self) -> LanePlaces | None:
+        """Where the lanes lie along the road; none where all have `lane_width_m`."""
+        return LanePlaces(self.widths) if self.widths else None
+
+    def lane_offset_m(self, lane: int, s_m: float = 0.0) -> float:
+        """m, a lane's centre right of the centre line at s."""
+        if (places := self.lane_places) is not None:
+            return float(places.middle(lane, s_m))
         return (self.lanes / 2.0 - lane + 0.5) * self.lane_width_m
+
+    def edges_m(self, low_m: float, high_m: float) -> tuple[float, float]:
+        """(left, right) m, the narrowest edges between two s, right of the centre line."""
+        if (places := self.lane_places) is not None:
+            return places.edges_within(low_m, high_m)
+        return -self.half_width_m, self.half_width_m
 
 
 Spread = Annotated[float, Field(ge=0.0, le=100.0)]

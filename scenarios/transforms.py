@@ -2,7 +2,7 @@
 
 from math import cos, fmod, radians, sin
 
-from vpf_sim.scenarios.parts import ObjectSpec, Road, Segment
+from vpf_sim.scenarios.parts import LaneWidths, ObjectSpec, Road, Segment
 from vpf_sim.scenarios.schema import Scenario
 
 SIDEWAYS = ("lateral_m", "heading_deg")  # varied keys with opposite sign in the mirror image
@@ -31,6 +31,7 @@ def mirrored(scenario: Scenario) -> Scenario:
     mirrored_road = {
         "start_m": (road.start_m[0], -road.start_m[1]),
         "heading_deg": -road.heading_deg,
+        "widths": tuple(_mirrored_widths(one) for one in road.widths),
         "oncoming_lanes": 0,  # they are on the left in every file
         "segments": tuple(_mirrored_segment(segment) for segment in road.segments),
     }
@@ -56,6 +57,11 @@ def _mirrored_object(road: Road, spec: ObjectSpec) -> ObjectSpec:
 
 def _with_road(scenario: Scenario, road: dict[str, object]) -> Scenario:
     return scenario.model_copy(update={"road": scenario.road.model_copy(update=road)})
+
+
+def _mirrored_widths(widths: LaneWidths) -> LaneWidths:
+    left_m = None if widths.left_edge_m is None else -(widths.left_edge_m + sum(widths.lanes_m))
+    return widths.model_copy(update={"lanes_m": widths.lanes_m[::-1], "left_edge_m": left_m})
 
 
 def _mirrored_lane(road: Road, lane: int) -> int:

@@ -22,6 +22,7 @@ SHORTEST_STEP_M, STRAIGHT_STEP_M = 0.5, 8.0
 PROBES = 64  # samples of a lane's heading
 RUN_ON_M = 300.0  # extension of lanes beyond the network's ends
 CRACK_M = (0.001, 0.3)  # between two lanes: racetrack-v0 has one of 0.09 m
+SAME_WIDTH_M = 0.001
 SAME_LINE_M = 0.4  # lines nearer than this are the same line
 ROADS = 16  # whose lines and edges are kept
 
@@ -59,6 +60,13 @@ class LaneShape:
     def width_m(self) -> float:
         """The median width."""
         return float(np.median(np.linalg.norm(self.right_m - self.left_m, axis=1)))
+
+    @property
+    def width_range_m(self) -> tuple[float, float]:
+        """The least and the largest width; twice the median where they differ by rounding."""
+        widths, median = np.linalg.norm(self.right_m - self.left_m, axis=1), self.width_m
+        low, high = float(widths.min()), float(widths.max())
+        return (low, high) if high - low > SAME_WIDTH_M else (median, median)
 
 
 @dataclass(frozen=True, slots=True)
@@ -280,7 +288,9 @@ def _stations(lane: AbstractLane, length: float) -> Floats:
     headings = unwrapped([lane.heading_at(spacing * i) for i in range(PROBES + 1)])
     sharpest = float(np.abs(np.diff(headings)).max()) / spacing
     step = np.sqrt(8.0 * SAGITTA_M / max(sharpest, 1e-9))
-    return np.linspace(0.0, length, max(2, int(np.ceil(length / np.clip(step, SHORTEST_STEP_M, STRAIGHT_STEP_M))) + 1))
+    count = max(2, int(np.ceil(length / np.clip(step, SHORTEST_STEP_M, STRAIGHT_STEP_M))) + 1)
+    knots = getattr(lane, "knots_m", np.empty(0))  # of a width that is linear in between
+    return np.union1d(np.linspace(0.0, length, count), knots[(knots > 0.0) & (knots < length)])
 
 
 def _direction(lane: AbstractLane, s: float) -> Floats:

@@ -82,7 +82,7 @@ def without_none(value: Any) -> Any:
     """Keys that are left out stand for None."""
     if isinstance(value, dict):
         return {key: without_none(inner) for key, inner in value.items() if inner is not None}
-    return value
+    return [without_none(inner) for inner in value] if isinstance(value, list | tuple) else value
 
 
 def with_none(value: Any) -> Any:

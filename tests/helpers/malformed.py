@@ -13,6 +13,13 @@ lane_width_m = 3.5
 start_m = [0.0, 0.0]
 heading_deg = 30.0
 segments = [{kind = "line", length_m = 60}, {kind = "arc", length_m = 80, radius_m = -100}]
+[[road.widths]]
+s_m = 20.0
+lanes_m = [3.5, 3.5, 3.5, 3.5]
+[[road.widths]]
+s_m = 60.0
+lanes_m = [3.0, 3.5, 3.75, 3.5]
+left_edge_m = -7.0
 [ego]
 lane = 2
 s_m = 5.0

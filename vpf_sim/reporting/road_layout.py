@@ -56,9 +56,11 @@ class RoadLayout:
         """The road along the route."""
         if not isinstance(self.scenario, Scenario):
             return _near(self.world.road.network.lines(), self.route_line_m)
-        road = self.scenario.road
+        road, places = self.scenario.road, self.scenario.road.lane_places
         s = np.arange(self.route.start_s_m - MARGIN_M, self.route.goal_s_m + MARGIN_M + EVERY_M, EVERY_M)
-        offsets = np.linspace(-road.half_width_m, road.half_width_m, road.lanes + 1)
+        offsets = (
+            np.linspace(-road.half_width_m, road.half_width_m, road.lanes + 1) if places is None else places.borders(s)
+        )
         left, *between, right = [self.centre.position(s, offset) for offset in offsets]
         return RoadLines(((left, right),), (left, right), tuple(between))
 
@@ -66,12 +68,12 @@ class RoadLayout:
     def route_line_m(self) -> Floats:
         """(M, 2) the lane's centre from the start to the goal."""
         s = np.linspace(self.route.start_s_m, self.route.goal_s_m, ROUTE_POINTS)
-        return self.centre.position(s, self.route.offset_m)
+        return self.centre.position(s, [self.route.offset_at(one) for one in s])
 
     @property
     def edges_m(self) -> tuple[float, ...]:
-        """The carriageway's edges, right of the route; none on a lane network, where they change along the route."""
-        if not isinstance(self.scenario, Scenario):
+        """The carriageway's edges, right of the route; none where they change along the route."""
+        if not isinstance(self.scenario, Scenario) or self.scenario.road.widths:
             return ()
         half = self.scenario.road.half_width_m
         return -half - self.route.offset_m, half - self.route.offset_m
@@ -107,11 +109,11 @@ def layouts(scenario: str | scenarios.AnyScenario, seeds: list[int]) -> dict[int
 def _static_obstacle(layout: RoadLayout, scenario: Scenario, number: int) -> StaticObstacle:
     obstacle, route = scenario.bodies[number], layout.route
     size = SIZES[obstacle.kind]
-    lateral = scenario.road.lane_offset_m(obstacle.lane) + obstacle.lateral_m
+    lateral = scenario.road.lane_offset_m(obstacle.lane, obstacle.s_m) + obstacle.lateral_m
     x, y = layout.centre.position_at(obstacle.s_m, lateral)
     heading = layout.centre.heading_at(obstacle.s_m)
     drawn = Rectangle(x, y, heading, size.length_m, size.width_m, obstacle.kind)
-    middle, offset = route.progress(obstacle.s_m), lateral - route.offset_m
+    middle, offset = route.progress(obstacle.s_m), lateral - route.offset_at(obstacle.s_m)
     half_length, half_width = 0.5 * size.length_m, 0.5 * size.width_m
     return StaticObstacle(
         drawn.corners_m,

@@ -106,7 +106,7 @@ def _markings(
     symbols = road_marks(shapes, stream(seed, "road marks"), bus_lanes) if look.marks else bus_words(bus_lanes)
     if look.hatching:
         symbols = np.concatenate(
-            [symbols, hatching(outer, stream(seed, "hatching"), min(shape.width_m for shape in shapes))]
+            [symbols, hatching(outer, stream(seed, "hatching"), min(shape.width_range_m[0] for shape in shapes))]
         )
     return [
         _strips([(a, b, LINE) for a, b in solid], thin=True),

@@ -45,7 +45,7 @@ class Verge:
 
     def __init__(self, shapes: list[LaneShape]) -> None:
         self._lanes = cKDTree(np.concatenate([_dense(shape) for shape in shapes]))
-        self._half = max(0.5 * shape.width_m for shape in shapes)
+        self._half = max(0.5 * shape.width_range_m[1] for shape in shapes)
         self._middles = [_dense(shape) for shape in shapes]
         self.sides = [_side(edge.points_m, edge.outward) for edge in map(_stations, outer_edges(shapes))]
 
