@@ -38,7 +38,7 @@ class Renderer:
         light, atmosphere = Light.of(weather), Atmosphere.of(weather)
         self._lens = Lens(rig.camera)
         camera = self._camera = self._lens.pinhole
-        by_core = atmosphere.wetness == 0.0
+        by_core = atmosphere.wetness == 0.0 or not light.has_lamps
         self._world = (World if by_core else PaintedWorld)(road, camera, light, atmosphere, seed)
         self._streaks = Streaks(camera, atmosphere, light, weather.streak_gain, seed)
         self._glass = Glass(rig.camera, weather, light, seed)

@@ -1,4 +1,6 @@
-"""The road, its surroundings and its traffic while the road is dry, drawn by the core."""
+"""The road, its surroundings and its traffic, drawn by the core."""
+
+from typing import Any
 
 import numpy as np
 from highway_env.road.road import Road
@@ -13,6 +15,7 @@ from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.layout import lane_shapes
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.night.content import FrameLamps, set_lamps
+from vpf_sim.envs.camera.rain.content import WetSurface, wet_surface
 from vpf_sim.envs.camera.scenery.bands import banded
 from vpf_sim.envs.camera.scenery.content import add_mesh, set_light, set_roadside
 from vpf_sim.envs.camera.scenery.object_meshes import object_mesh
@@ -27,7 +30,7 @@ from vpf_sim.envs.camera.truth import Shown
 from vpf_sim.scenarios.parts import RoadAppearance
 from vpf_sim.seeding import stream
 from vpf_sim.timing import timed
-from vpf_sim.types import Bools, Camera, Image
+from vpf_sim.types import Bools, Camera, Floats, Image
 
 NOT_DRAWN = -1  # the mesh of landmarks
 
@@ -57,16 +60,26 @@ class World:
             self._lamps = FrameLamps(core, scenery.lamplight)
         set_roadside(core, group_of(scenery.furniture, None, camera))
         plant(core, scenery.trees, light, haze)
+        self._wet = wet_surface(core, shapes, light, atmosphere, seed)
+        self._drawn: tuple[Snapshot, Snapshot] | None = None  # the last frame that was drawn, and the one before
+        self._is_copy = False  # whether the core has not drawn that frame itself
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._is_copy = True
 
     @property
     def is_due(self) -> bool:
         """Whether later frames reuse parts of the next one."""
         return False
 
-    def draw(self, frame: Image, now: Snapshot, before: Snapshot) -> None:  # noqa: ARG002
+    def draw(self, frame: Image, now: Snapshot, before: Snapshot) -> None:
         """Draw a frame."""
-        self._begin(now)
+        self._drawn, self._is_copy = (now, before), False
+        self._begin(now, before)
         self._draw_backdrop(frame)
+        if self._wet is not None:
+            self._draw_wet_road(frame, self._wet, now)
         self._draw_scene(frame)
 
     def skip(self, now: Snapshot) -> None:
@@ -77,16 +90,26 @@ class World:
         return Shown(*self._core.truth())
 
     def hidden(self) -> Bools:
-        """(H, W) where reflections and spray hide the scene: nowhere."""
-        camera = self._core.camera
-        return np.zeros((camera.height_px, camera.width_px), bool)
+        """(H, W) where reflections and spray hide the scene of the last frame."""
+        if self._is_copy and self._drawn is not None:
+            camera = self._core.camera
+            self.draw(np.empty((camera.height_px, camera.width_px, 3), np.uint8), *self._drawn)
+        return self._core.hidden_by_rain()
 
     @timed("render.visible")
-    def _begin(self, now: Snapshot) -> None:
+    def _begin(self, now: Snapshot, before: Snapshot) -> None:
         objects = np.empty((len(now.objects), 4))
         objects[:, :3] = now.places
         objects.view(np.int64)[:, 3] = self._numbers(now.objects)
         self._core.begin(*now.pose, now.time_s, objects, NO_LAMPS if self._lamps is None else self._lamps.of(now))
+        gap_s = now.time_s - before.time_s
+        if self._wet is not None and gap_s > 0.0 and now.objects:
+            self._core.begin_spray(_moved_m(now, before) / gap_s)
+
+    @timed("render.wet_road")
+    def _draw_wet_road(self, frame: Image, wet: WetSurface, now: Snapshot) -> None:
+        wet.update(*now.pose)
+        self._core.draw_wet_road(frame)
 
     @timed("render.backdrop")
     def _draw_backdrop(self, frame: Image) -> None:
@@ -111,3 +134,15 @@ class World:
             number = add_mesh(self._core, mesh if self._lamps is None else banded(mesh), size)
         self._meshes[obj] = number
         return number
+
+
+def _moved_m(now: Snapshot, before: Snapshot) -> Floats:
+    """(n,) m, how far each object has moved."""
+    places = now.places
+    if before.objects == now.objects:
+        earlier = before.places
+    else:
+        known = dict(zip(before.objects, before.places, strict=True))
+        earlier = np.array([known.get(obj, place) for obj, place in zip(now.objects, places, strict=True)])
+    dx, dy = (places[:, :2] - earlier[:, :2]).T
+    return np.asarray(np.sqrt(dx * dx + dy * dy))

@@ -45,6 +45,7 @@ static PyObject *draw(PyObject *arguments, Draw function) {
 }
 
 FUNCTION(bind_draw_backdrop) { return (void)self, draw(arguments, vc_draw_backdrop); }
+FUNCTION(bind_draw_wet_road) { return (void)self, draw(arguments, vc_draw_wet_road); }
 FUNCTION(bind_draw_scene) { return (void)self, draw(arguments, vc_draw_scene); }
 
 /* core, time_us, frame. */

@@ -27,6 +27,8 @@ void vc_free(vc_core *core) {
     vc_scene_free(core->scene);
     vc_tree_free(core->trees);
     vc_lamps_free(core->lamps);
+    vc_wet_free(core->wet);
+    vc_spray_free(core->spray);
     vc_noise_free(core->noise);
     free(core->frame.items);
     free(core->frame.faces);

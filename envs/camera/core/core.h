@@ -232,6 +232,41 @@ typedef struct {
 /* Noise of the sensor, from which each frame takes another part: (rows, 3 columns) grey levels, larger than the image. */
 vc_status vc_set_noise(vc_core *core, int rows, int columns, const int8_t *levels, uint64_t seed);
 
+/* Reflections of the sky, and of what stands before it, on a wet road by day. They are worked out on a canvas of half the
+ * image's resolution, from `ground_top` down to where they fade. */
+typedef struct {
+    int rows, columns;          /* of the canvas */
+    const uint8_t *reflectance; /* (rows, columns) of a wet road, of 255 */
+    const uint8_t *share;       /* (256,) wet share of the road by depth of the water, of 255 */
+    int level;                  /* depth beyond which water stands; 255 for none */
+    int smear;                  /* rows over which the facets of wet asphalt spread reflections, at most 255 */
+    int ripple;                 /* rows by which drops move reflections in puddles */
+    uint64_t seed;
+} vc_wet_road;
+
+vc_status vc_set_wet_road(vc_core *core, const vc_wet_road *wet);
+
+/* Depths of water around a place, by cells; beside them the road is dry. They may be set again before any frame. */
+typedef struct {
+    int cells;
+    const uint8_t *depths; /* (cells, cells), rows along y; 0 beside the road */
+    double x_m, y_m;       /* middle of the first cell */
+    double cell_m;
+} vc_puddles;
+
+vc_status vc_set_puddles(vc_core *core, const vc_puddles *puddles);
+
+/* Spray behind moving objects on a wet road. */
+typedef struct {
+    double strength;        /* opacity of a dense puff in its middle */
+    uint8_t colour[3];      /* RGB */
+    int pictures, size;
+    const uint8_t *opacity; /* (pictures, size, size) of puffs, of 255, with a transparent rim */
+    uint64_t seed;
+} vc_spray;
+
+vc_status vc_set_spray(vc_core *core, const vc_spray *spray); /* after vc_set_light */
+
 /* Makes room for frames with up to `objects` objects. */
 vc_status vc_reserve(vc_core *core, int objects);
 
@@ -242,12 +277,19 @@ vc_status vc_reserve(vc_core *core, int objects);
 vc_status vc_begin(vc_core *core, const vc_pose *pose, const vc_object *objects, int count, const vc_lamp *lamps,
                    int lamp_count);
 
+/* Adds spray to what is visible; `speeds_mps` (count,) are those of the objects. After vc_begin. */
+vc_status vc_begin_spray(vc_core *core, const double *speeds_mps, int count);
+
 void vc_draw_backdrop(vc_core *core, vc_image image); /* sky, ground and haze: every pixel */
+void vc_draw_wet_road(vc_core *core, vc_image image); /* reflections, between backdrop and scene */
 void vc_draw_scene(vc_core *core, vc_image image);    /* shadows of the objects, and all that rises from the ground */
 void vc_draw_noise(vc_core *core, vc_image image);
 
 /* Writes what each pixel shows: 0 ground or sky, -1 scenery, i + 1 object i; and (height, width, 3) the plane there:
  * the inverse depth is its product with the ray (x, y, 1). */
 void vc_truth(vc_core *core, int32_t *instance, double *planes);
+
+/* (height, width) 1 where reflections or spray hide the scene of the last frame, else 0. */
+void vc_hidden_by_rain(vc_core *core, int32_t *hidden);
 
 #endif

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.core import _core
-from vpf_sim.types import Camera, Floats, Image
+from vpf_sim.types import Bools, Camera, Floats, Image
 
 POSITION_M = 1.0 / 1024.0  # resolution of points
 SHARE = 1.0 / 65536.0  # resolution of directions, factors and shares
@@ -166,6 +166,36 @@ class Core:
     def add_glow(self, picture: Image) -> int:
         """Add the picture (n, n, 4) of a lamp and return its number."""
         return int(self._set("add_glow", len(picture), _bytes(picture)))
+
+    def set_wet_road(self, reflectance: Image, share: Image, level: int, smear: int, ripple: int, seed: int) -> None:
+        """Set how the road reflects; `reflectance` is (rows, columns) of the canvas; see `vc_wet_road` in core.h."""
+        rows, columns = reflectance.shape
+        arrays = _bytes(reflectance), _bytes(share)
+        self._set("set_wet_road", rows, columns, level, smear, ripple, seed, *arrays)
+
+    def set_puddles(self, depths: Image, corner_m: tuple[float, float], cell_m: float) -> None:
+        """Set depths of water (cells, cells) around a place; see `vc_puddles` in core.h. A copy has none."""
+        _core.set_puddles(self._handle, len(depths), *corner_m, cell_m, _bytes(depths))
+
+    def set_spray(self, strength: float, colour: Floats, opacity: Image, seed: int) -> None:
+        """Set the spray: pictures (n, size, size) of puffs; see `vc_spray` in core.h."""
+        red, green, blue = np.rint(colour).astype(int).tolist()
+        pictures, size = opacity.shape[:2]
+        self._set("set_spray", strength, red, green, blue, pictures, size, seed, _bytes(opacity))
+
+    def begin_spray(self, speeds_mps: Floats) -> None:
+        """Add spray to what the next frame shows, by the (n,) speeds of the objects."""
+        _core.begin_spray(self._handle, speeds_mps)
+
+    def draw_wet_road(self, frame: Image) -> None:
+        """Draw reflections on the road, between backdrop and scene."""
+        _core.draw_wet_road(self._handle, frame)
+
+    def hidden_by_rain(self) -> Bools:
+        """(H, W) where reflections or spray hide the scene of the last frame."""
+        hidden = np.empty((self.camera.height_px, self.camera.width_px), np.int32)
+        _core.hidden_by_rain(self._handle, hidden)
+        return hidden > 0
 
     def set_noise(self, levels: NDArray[np.int8], seed: int) -> None:
         """Set the bank of noise, (rows, columns, 3) grey levels."""

@@ -76,13 +76,13 @@ typedef struct {
     double distance_m;     /* of the camera from its plane */
 } vc_face;
 
-typedef enum { VC_FACES, VC_TREE, VC_GLOW } vc_kind;
+typedef enum { VC_FACES, VC_TREE, VC_GLOW, VC_PUFF } vc_kind;
 
 /* Something that is drawn as one, in its box. */
 typedef struct {
     vc_kind kind;
     int instance;            /* -1 scenery, i + 1 object i */
-    int first, last;         /* faces in vc_frame.faces; of a tree or a lamp, `first` is its number */
+    int first, last;         /* faces in vc_frame.faces; of a tree, lamp or puff, `first` is its number */
     int x0, y0, x1, y1;      /* box in px, within the image */
     double depth_m;          /* of its middle; of an object, of its nearest corner */
 } vc_item;
@@ -115,6 +115,8 @@ typedef struct vc_sky_part vc_sky_part;
 typedef struct vc_scene_part vc_scene_part;
 typedef struct vc_tree_part vc_tree_part;
 typedef struct vc_lamps_part vc_lamps_part;
+typedef struct vc_wet_part vc_wet_part;
+typedef struct vc_spray_part vc_spray_part;
 typedef struct vc_noise_part vc_noise_part;
 
 struct vc_core {
@@ -125,6 +127,8 @@ struct vc_core {
     vc_scene_part *scene;
     vc_tree_part *trees;
     vc_lamps_part *lamps;
+    vc_wet_part *wet;
+    vc_spray_part *spray;
     vc_noise_part *noise;
 };
 
@@ -133,6 +137,8 @@ void vc_sky_free(vc_sky_part *part);
 void vc_scene_free(vc_scene_part *part);
 void vc_tree_free(vc_tree_part *part);
 void vc_lamps_free(vc_lamps_part *part);
+void vc_wet_free(vc_wet_part *part);
+void vc_spray_free(vc_spray_part *part);
 void vc_noise_free(vc_noise_part *part);
 
 /* A copy of `count` elements of `size` bytes each, with room for `spare` bytes more; NULL without memory. */
@@ -152,6 +158,7 @@ typedef struct {
     int factor, opacity;
     int air[3];
     const int (*light)[3]; /* (VC_HEIGHTS,) RGB factors of 256 before, from the top down; NULL for none */
+    int upside_down;
 } vc_picture;
 enum { VC_HEIGHTS = 8 };
 

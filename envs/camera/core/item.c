@@ -1,4 +1,5 @@
 /* Draws items: their faces fill a finer layer without blending, and its means are laid over the image. */
+#include "rain/spray.h"
 #include "scene.h"
 
 enum { SMALL_PX = 1200 }; /* items with fewer pixels get 4 x 4 samples a pixel, others 2 x 2 */
@@ -80,6 +81,8 @@ void vc_paint_item(vc_core *core, const vc_item *item, vc_image image) {
         vc_paint_tree(core, item, image, VC_DRAW);
     else if (item->kind == VC_GLOW)
         vc_paint_glow(core, item, image);
+    else if (item->kind == VC_PUFF)
+        vc_paint_puff(core, item, image, VC_DRAW);
     else
         paint_faces(core, item, image);
 }

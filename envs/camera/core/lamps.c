@@ -203,7 +203,7 @@ int vc_glow_box(const vc_core *core, int index, vc_item *item) {
 void vc_paint_glow(const vc_core *core, const vc_item *item, vc_image image) {
     const vc_lamp *lamp = core->frame.lamps + item->first;
     const Glow *glow = core->lamps->glow + lamp->glow;
-    vc_picture picture = {glow->px, glow->size, glow->size, 256, 256, {0, 0, 0}, NULL};
+    vc_picture picture = {glow->px, glow->size, glow->size, 256, 256, {0, 0, 0}, NULL, 0};
     int radius = glow->size / 2;
     vc_paint_picture(&picture, lamp->x_px - radius, lamp->y_px - radius, glow->size, glow->size, image, VC_DRAW);
 }

@@ -89,13 +89,14 @@ void vc_paint_picture(const vc_picture *picture, double left, double top, double
     size_t stride = (size_t)picture->columns * 4;
     int32_t v = down.from;
     for (int y = down.first; y < down.last; y++, v += down.step) {
-        const uint8_t *row = picture->px + (size_t)(v >> SHIFT) * stride;
+        int32_t texel = picture->upside_down ? ((picture->rows - 1) << SHIFT) - v : v;
+        const uint8_t *row = picture->px + (size_t)(texel >> SHIFT) * stride;
         size_t at = (size_t)y * image.width + across.first;
         int32_t u = across.from;
         int factors[3] = {256, 256, 256};
-        if (picture->light != NULL) light_of(picture, v, factors);
+        if (picture->light != NULL) light_of(picture, texel, factors);
         for (int x = across.first; x < across.last; x++, u += across.step, at++) {
-            uint32_t share_x = (uint32_t)(u >> (SHIFT - 8)) & 255, share_y = (uint32_t)(v >> (SHIFT - 8)) & 255;
+            uint32_t share_x = (uint32_t)(u >> (SHIFT - 8)) & 255, share_y = (uint32_t)(texel >> (SHIFT - 8)) & 255;
             uint32_t found = sample(row + 4 * (u >> SHIFT), stride, share_x, share_y);
             if (labels.px != NULL) {
                 if (changed(picture, found) >> 24 < 128) labels.px[at] = labels.label;

@@ -1,6 +1,7 @@
 /* Memory for the frames of a scene, as large as its content can need. */
 #include <stdlib.h>
 
+#include "rain/spray.h"
 #include "scene.h"
 
 /* Grows an array; what it held is lost. */
@@ -28,7 +29,9 @@ static int room_for_frame(vc_core *core) {
     }
     size_t candidates = (size_t)scene->roadside.items + vc_tree_count(core) + scene->lamp_room;
     scene->face_room = scene->roadside.faces.count + faces * scene->reserved + VC_SHADOW_FACES;
-    scene->item_room = (int)candidates + scene->reserved;
+    int puffs = vc_spray_room(core, scene->reserved);
+    if (puffs < 0) return 0;
+    scene->item_room = (int)candidates + scene->reserved + puffs;
     scene->point_room = scene->face_room * (VC_CORNERS + 2);
     return grow(&scene->candidates, candidates, sizeof *scene->candidates) &&
            grow(&scene->part_distance, (size_t)parts, sizeof(double)) &&

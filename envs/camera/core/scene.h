@@ -84,6 +84,9 @@ int vc_find_trees(const vc_core *core, Candidate *candidates);
 int vc_tree_count(const vc_core *core);
 /* The box of a tree in the image; 0 if it is empty. */
 int vc_tree_box(const vc_core *core, int tree, double depth_m, vc_item *item);
+/* The picture of a tree, and where it lies: left, top, width, height in px from the corner; `light` is room for its light
+ * by lamps, NULL for none. */
+void vc_tree_picture(const vc_core *core, const vc_item *item, vc_picture *picture, double *box, int light[VC_HEIGHTS][3]);
 void vc_paint_tree(const vc_core *core, const vc_item *item, vc_image image, vc_labels labels);
 void vc_draw_shadows(vc_core *core, vc_image image);
 

@@ -128,20 +128,24 @@ static void light_heights(const vc_core *core, int index, double depth_m, const 
     }
 }
 
-void vc_paint_tree(const vc_core *core, const vc_item *item, vc_image image, vc_labels labels) {
+void vc_tree_picture(const vc_core *core, const vc_item *item, vc_picture *picture, double *box, int light[VC_HEIGHTS][3]) {
     const Kind *kind = kind_of(core->trees, item->first);
-    double box[4];
     place(core, item->first, item->depth_m, box);
     int level = 0;
     while (level + 1 < kind->levels && kind->rows[level] >= 2.0 * box[3]) level++;
     const double *haze = kind->haze + HAZE * vc_min(kind->hazes - 1, vc_floor(item->depth_m / HAZE_M));
-    vc_picture picture = {kind->px[level], kind->rows[level], kind->columns[level],
-                          vc_round(256.0 * haze[0]), vc_round(256.0 * haze[1]),
-                          {vc_round(haze[2]), vc_round(haze[3]), vc_round(haze[4])}, NULL};
+    *picture = (vc_picture){kind->px[level], kind->rows[level], kind->columns[level],
+                            vc_round(256.0 * haze[0]), vc_round(256.0 * haze[1]),
+                            {vc_round(haze[2]), vc_round(haze[3]), vc_round(haze[4])}, NULL, 0};
+    if (core->lamps == NULL || light == NULL) return;
+    light_heights(core, item->first, item->depth_m, box, light);
+    picture->light = light;
+}
+
+void vc_paint_tree(const vc_core *core, const vc_item *item, vc_image image, vc_labels labels) {
+    vc_picture picture;
+    double box[4];
     int light[VC_HEIGHTS][3];
-    if (core->lamps != NULL && labels.px == NULL) {
-        light_heights(core, item->first, item->depth_m, box, light);
-        picture.light = light;
-    }
+    vc_tree_picture(core, item, &picture, box, labels.px == NULL ? light : NULL);
     vc_paint_picture(&picture, box[0], box[1], box[2], box[3], image, labels);
 }

@@ -9,6 +9,7 @@ static void label_item(vc_core *core, int index, uint32_t *labels) {
     const vc_item *item = frame->items + index;
     int width = core->camera.width_px, height = core->camera.height_px;
     if (item->kind == VC_GLOW) return; /* light hides nothing */
+    if (item->kind == VC_PUFF) return; /* what it hides is still there */
     if (item->kind == VC_TREE) {
         vc_labels to = {labels, (uint32_t)(1 + frame->face_count + index)};
         vc_paint_tree(core, item, (vc_image){NULL, width, height}, to);

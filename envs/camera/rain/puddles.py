@@ -4,7 +4,7 @@ They are the low parts of a height map fixed to the world: more water covers mor
 """
 
 from dataclasses import dataclass
-from math import hypot
+from math import cos, sin
 
 import cv2
 import numpy as np
@@ -13,18 +13,18 @@ from numpy.typing import NDArray
 from vpf_sim.envs.camera.ground.paint import PAVED_SHOULDER_M
 from vpf_sim.envs.camera.layout import LaneShape, outer_edges
 from vpf_sim.envs.camera.texture import TILE, grain_tile
-from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
 
 CELL_M = 0.2
 CELLS = 768  # of the map, each way
-AHEAD_M = 62.0  # distance from the camera to the map's middle
-MOVE_M = 12.0  # offset of the middle that triggers an update
+AHEAD_M = 58.0  # distance from the camera to the map's middle
+STEP_M = 24.0  # between possible middles, along both of the world's axes
+MAPS = 4  # that are kept: a camera that sways between places computes none anew
 ROAD, RUT = 90, 106  # depths, 0..255: flat road, wheel track; 0 is beside the road
 CONTOURS = ((1.0, 128), (0.8, 160), (0.6, 195), (0.35, 230))  # shares of a puddle's size, and their depths
 SHARP = 24  # depth levels over which a puddle's edge fades
-ROUGH = 0.24  # weight of the grain
+ROUGH = 61  # weight of the grain, of 256
 TRACK_M = 0.78  # wheel tracks' distance from the lane's middle
 SPACING_M = 3.2  # mean spacing of puddles in the wheel tracks
 EDGE_SPACING_M = 9.0  # mean spacing of puddles along the edges
@@ -63,17 +63,16 @@ class Puddles:
         self._outlines = np.concatenate([_outlines(shape, rng) for shape in shapes])
         self._middles = self._outlines.mean(axis=1)
         self._grain_from = rng.integers(0, TILE, 2)
-        self._height_map: HeightMap | None = None
+        self._maps: dict[tuple[int, int], HeightMap] = {}
 
-    def height_map(self, view: View) -> HeightMap:
-        """The height map of the area ahead of the camera."""
-        middle = view.centre[:2] + AHEAD_M * np.array([np.cos(view.yaw_rad), np.sin(view.yaw_rad)])
-        if (
-            self._height_map is None
-            or hypot(*(middle - self._height_map.corner_m - 0.5 * CELLS * CELL_M).tolist()) > MOVE_M
-        ):
-            self._height_map = self._computed(middle)
-        return self._height_map
+    def height_map(self, x_m: float, y_m: float, yaw_rad: float) -> HeightMap:
+        """The height map of the area ahead of a camera; it depends on this place alone."""
+        steps = round((x_m + AHEAD_M * cos(yaw_rad)) / STEP_M), round((y_m + AHEAD_M * sin(yaw_rad)) / STEP_M)
+        if steps not in self._maps:
+            while len(self._maps) >= MAPS:
+                del self._maps[next(iter(self._maps))]
+            self._maps[steps] = self._computed(STEP_M * np.array(steps))
+        return self._maps[steps]
 
     def _computed(self, middle: Floats) -> HeightMap:
         first = np.rint(middle / CELL_M).astype(int) - CELLS // 2
@@ -91,9 +90,8 @@ class Puddles:
                 cv2.fillPoly(depths, [outline], depth, cv2.LINE_8, SHIFT)
         y, x = (first[::-1] + self._grain_from[::-1]) % TILE
         grain = grain_tile("water", shortest=4.0, slope=1.1)[y : y + CELLS, x : x + CELLS]
-        rough = cv2.addWeighted(depths, 1.0, grain, ROUGH, -ROUGH * 128.0)
-        road = cv2.threshold(depths, 0.0, 255.0, cv2.THRESH_BINARY)[1]
-        depths = np.asarray(cv2.bitwise_and(np.maximum(rough, ROAD - 20), road), np.uint8)
+        rough = np.clip(depths + ((grain.astype(np.int16) - 128) * ROUGH >> 8), ROAD - 20, 255)
+        depths = np.where(depths > 0, rough, 0).astype(np.uint8)
         return HeightMap(np.asarray(cv2.GaussianBlur(depths, (5, 5), 0.0), np.uint8), corner)
 
 

@@ -1,7 +1,6 @@
 """Reflections on the wet road: sharp in puddles, smeared along the line of sight elsewhere."""
 
 from dataclasses import dataclass
-from math import ceil
 from typing import Any
 
 import cv2
@@ -19,9 +18,9 @@ from vpf_sim.envs.camera.rain.mirror import (
     mirrored_faces,
     paint_faces,
     paint_sprite,
-    reflectance,
 )
-from vpf_sim.envs.camera.rain.puddles import Puddles, covered_table, road_table, water_level
+from vpf_sim.envs.camera.rain.puddles import HeightMap, Puddles
+from vpf_sim.envs.camera.rain.wetness import Wetness
 from vpf_sim.envs.camera.truth import Drawn
 from vpf_sim.envs.camera.view import View
 from vpf_sim.seeding import stream
@@ -30,13 +29,8 @@ from vpf_sim.types import Bools, Camera, Image
 
 Bytes = NDArray[np.uint8]
 
-DAMP_SHARE, FILM_SHARE = 0.35, 0.9  # reflecting share of a damp and of a flooded road
-DAMP_SLOPE_DEG, FILM_SLOPE_DEG = 3.0, 1.2  # slopes of the facets
-STONES_MMPH, FILM_MMPH = 8.0, 25.0  # rain rates between which the film covers the stones
-RIPPLE = 5.0  # rows by which drops distort reflections in puddles, in hard rain
 DARK = 0.3  # darkening of the asphalt with water depth, of 255 per depth level
 EVERY = 3  # frames between updates of the reflection in rain, when drops distort it more than motion
-STEEP, STEEPEST = 0.30, 0.41  # sines of the angle at which reflections (16 %) start to fade, and are left out
 HIDDEN_SHARE, HIDDEN_LEVELS = 0.25 * 255, 12
 
 
@@ -63,34 +57,22 @@ class Mirror:
 class WetRoad:
     """Reflects the sky and items on the road.
 
-    The reflected share is Fresnel's for flat water (n = 1.333) times the covered share of the road. Below about 10 mm/h
-    the stones of the asphalt pierce the film, from 25 mm/h on the film is closed (Gallaway et al. 1971, TTI report
-    138-5). A facet tilted by s moves distant reflections by 2 f s up or down, and hardly sideways. Only the visible sky
-    is reflected, so without sky in the image the road is dull.
+    Only the visible sky is reflected, so without sky in the image the road is dull.
     """
 
     def __init__(self, camera: Camera, shapes: list[LaneShape], atmosphere: Atmosphere, seed: int) -> None:
         self._size = (camera.height_px, camera.width_px)
         self._last: tuple[Mirror, Water, list[Drawn]] | None = None
         self._top = ground_top(camera)
-        self._is_dry = atmosphere.wetness <= 0.0 or not REFINEMENT <= self._top < camera.height_px
-        if self._is_dry:
+        wetness = Wetness.of(camera, atmosphere)
+        self._is_dry = wetness is None
+        if wetness is None:
             return
         self._camera = camera
-        self._columns = camera.width_px // REFINEMENT
-        sines = self._sines(ceil((camera.height_px - self._top) / REFINEMENT))
-        fading = np.clip((sines - STEEPEST) / (STEEP - STEEPEST), 0.0, 1.0)
-        self._rows = int((fading.max(axis=1) > 0.0).sum())
+        self._rows, self._columns = wetness.reflectance.shape
         self._puddles = Puddles(shapes, seed)
-        film = float(np.clip((atmosphere.rain_mmph - STONES_MMPH) / (FILM_MMPH - STONES_MMPH), 0.0, 1.0))
-        share = min(1.0, 2.0 * atmosphere.wetness) * (DAMP_SHARE + film * (FILM_SHARE - DAMP_SHARE))
-        slope = np.radians(DAMP_SLOPE_DEG + film * (FILM_SLOPE_DEG - DAMP_SLOPE_DEG))
-        self._smear = 2 * round(2.0 * camera.fy_px * slope / REFINEMENT) + 1
-        standing = covered_table(atmosphere.puddles)
-        self._level = water_level(atmosphere.puddles)
-        self._share_table = np.maximum(standing, np.rint(share * road_table())).astype(np.uint8)
-        self._reflectance = np.rint(255.0 * reflectance(sines) * fading)[: self._rows].astype(np.uint8)
-        self._ripple = round(RIPPLE * min(1.0, atmosphere.rain_mmph / FILM_MMPH) / REFINEMENT)
+        self._smear, self._level, self._ripple = wetness.smear, wetness.level, wetness.ripple
+        self._share_table, self._reflectance = wetness.share, wetness.reflectance
         self._rng = stream(seed, "rain on puddles")
         self._from_row = np.arange(self._rows)
         centre = 0.5 * (REFINEMENT - 1)
@@ -129,7 +111,7 @@ class WetRoad:
             return
         self._age += 1
         self._draw_ripple()
-        self._puddles.height_map(view)
+        self._height_map(view)
 
     def hidden(self) -> Bools:
         """(H, W) where the last frame shows reflections of items.
@@ -159,6 +141,10 @@ class WetRoad:
         for item in drawn:
             erase(mask, item.drawing)
         return mask.astype(bool)
+
+    def _height_map(self, view: View) -> HeightMap:
+        x, y, _ = view.centre.tolist()
+        return self._puddles.height_map(x, y, view.yaw_rad)
 
     def _draw_ripple(self) -> None:
         """Draw the random row offsets of one frame's reflections in puddles."""
@@ -212,17 +198,8 @@ class WetRoad:
 
     def _depths(self, view: View) -> Bytes:
         """(rows, columns) puddle depth at each pixel of the canvas."""
-        height_map = self._puddles.height_map(view)
+        height_map = self._height_map(view)
         matrix = height_map.from_world() @ view.ground_homography() @ self._to_pixels
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         size = (self._columns, self._rows)
         return np.asarray(cv2.warpPerspective(height_map.depths, matrix, size, flags=flags), np.uint8)
-
-    def _sines(self, rows: int) -> NDArray[np.float64]:
-        """(rows, columns) sine of the angle between ray and road."""
-        camera = self._camera
-        x = ((np.arange(self._columns) + 0.5) * REFINEMENT - 0.5 - camera.cx_px) / camera.fx_px
-        y = ((np.arange(rows) + 0.5) * REFINEMENT - 0.5 + self._top - camera.cy_px) / camera.fy_px
-        right, down = np.meshgrid(x, y)
-        fall = down * np.cos(camera.pitch_rad) + np.sin(camera.pitch_rad)
-        return np.asarray(fall / np.sqrt(right**2 + down**2 + 1.0))

@@ -8,14 +8,13 @@ from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.layout import lane_shapes
 from vpf_sim.envs.camera.rain.puddles import CELL_M, CELLS, ROAD, HeightMap, Puddles, covered_table
-from vpf_sim.envs.camera.view import View
-from vpf_sim.types import Camera, Floats
+from vpf_sim.types import Floats
 
 SHAPES = lane_shapes(straight_road())
 
 
 def height_map(puddles: Puddles, x: float, y: float = 5.0, yaw: float = 0.0) -> HeightMap:
-    return puddles.height_map(View.at(Camera(), np.array([x, y]), yaw))
+    return puddles.height_map(x, y, yaw)
 
 
 def sampled(laid: HeightMap, points: Floats) -> NDArray[np.int64]:
@@ -37,10 +36,15 @@ def test_puddles_stay_in_their_places_while_the_camera_moves() -> None:
     assert np.array_equal(sampled(before, points), sampled(after, points))
 
 
-def test_height_map_is_reused_until_the_camera_has_moved() -> None:
+def test_height_map_depends_on_the_place_alone() -> None:
+    """It reaches from the camera's feet to where reflections matter, and is made once for near places."""
     puddles = Puddles(SHAPES, 1)
-    assert height_map(puddles, 20.0) is height_map(puddles, 25.0)
-    assert height_map(puddles, 20.0) is not height_map(puddles, 45.0)
+    for x in np.arange(20.0, 120.0, 7.0):
+        laid = height_map(puddles, float(x), yaw=0.1 * x)
+        assert np.array_equal(laid.depths, height_map(Puddles(SHAPES, 1), float(x), yaw=0.1 * x).depths)
+        ahead = np.array([x, 5.0]) + np.outer([0.0, 110.0], [np.cos(0.1 * x), np.sin(0.1 * x)])
+        assert np.all((ahead >= laid.corner_m) & (ahead <= laid.corner_m + CELLS * CELL_M))
+    assert height_map(puddles, 20.0) is height_map(puddles, 22.0)
 
 
 def test_seeds_have_their_own_puddles() -> None:

@@ -82,7 +82,7 @@ def test_upward_faces_are_not_mirrored() -> None:
 
 @pytest.mark.parametrize("camera", CAMERAS.values(), ids=CAMERAS)
 def test_a_wall_is_mirrored_down_to_its_mirrored_top(camera: Camera, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("vpf_sim.envs.camera.rain.wet_road.FILM_SLOPE_DEG", 0.0)  # flat water
+    monkeypatch.setattr("vpf_sim.envs.camera.rain.wetness.FILM_SLOPE_DEG", 0.0)  # flat water
     view, item = wall(camera, 12.0)
     frame = plain(camera)
     wet_road(camera, "HardRainNoon").draw(frame, view, [item])

@@ -14,9 +14,17 @@ from building import compiler
 from vpf_sim.envs.camera.core import _core
 
 ROOT = Path(__file__).parents[4]
-USE = """
+USE = f"""
+import sys
 from hashlib import sha256
 import numpy as np
+sys.path.append({str(ROOT / "tests" / "helpers")!r})
+from wet_scene import WetScene
+from vpf_sim.types import Camera
+for name in ("WetNoon", "HardRainNoon"):
+    scene = WetScene(Camera(161, 121, 80.0, 80.0, 80.0, 60.0), name, 9.0)
+    for k in range(5):
+        print(sha256(scene.draw(0.3 * k, 14.0).tobytes() + scene.hidden().tobytes()).hexdigest())
 angles, result = np.linspace(-9.0, 9.0, 1001), np.empty(1001)
 module.sin(angles, result)
 module.cos(angles, result)
@@ -38,13 +46,18 @@ C_PROGRAM = str(ROOT / "tests" / "helpers" / "print_core.c")
 CROSS = "aarch64-linux-gnu-gcc"
 
 
+def output(command: list[str]) -> str:
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+
 @HAS_GCC
 def test_sanitizers_find_nothing(tmp_path: Path) -> None:
     core = build(tmp_path, ["gcc", *compiler.DEBUG, "-DVC_DEBUG"])
-    library = subprocess.run(["gcc", "-print-file-name=libasan.so"], capture_output=True, text=True, check=True)
-    if not Path(library.stdout.strip()).is_absolute():
+    names = ("libasan.so", "libstdc++.so.6")  # the second for libraries that throw and are loaded later
+    libraries = [output(["gcc", f"-print-file-name={name}"]).strip() for name in names]
+    if not all(Path(library).is_absolute() for library in libraries):
         pytest.skip("gcc comes without its address sanitizer")
-    environment = {"LD_PRELOAD": library.stdout.strip(), "ASAN_OPTIONS": "detect_leaks=0"}
+    environment = {"LD_PRELOAD": ":".join(libraries), "ASAN_OPTIONS": "detect_leaks=0"}
     assert printed(core, USE, environment) == printed(Path(_core.__file__), USE)
 
 
@@ -61,10 +74,6 @@ def native_program(folder: Path, command: list[str], name: str) -> list[str]:
     flags = [*compiler.FLAGS, f"-I{FOLDER}"]
     subprocess.run([*command, *flags, C_PROGRAM, *WITHOUT_PYTHON, "-lm", "-o", str(program)], check=True)
     return [str(program)]
-
-
-def output(command: list[str]) -> str:
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
 
 
 @pytest.mark.slow
