@@ -34,9 +34,9 @@ def _road_faults(road: Road) -> Iterator[str]:
     for i, segment in enumerate(road.segments):
         name = {"arc": "radius_m", "clothoid": "end_radius_m"}.get(segment.kind, "")
         radius = getattr(segment, name, None)
-        if radius is not None and abs(radius) <= road.half_width_m:
+        if radius is not None and abs(radius) <= (reach_m := road.reach_m[radius > 0.0]):
             yield (
-                f"road.segments[{i}].{name}: expected more than half the carriageway, {road.half_width_m:g} m, "
+                f"road.segments[{i}].{name}: expected more than half the carriageway, {reach_m:g} m, "
                 f"to either side, got {radius:g}"
             )
 

@@ -41,9 +41,14 @@ class LanePlaces:
         return np.asarray(0.5 * (borders[-lane] + borders[-lane - 1]))
 
     @property
+    def reach_m(self) -> tuple[float, float]:
+        """(left, right) m, how far the edges are from the centre line at most."""
+        return float(-self._borders_m[:, 0].min()), float(self._borders_m[:, -1].max())
+
+    @property
     def widest_m(self) -> float:
-        """The largest distance of an edge from the centre line."""
-        return float(np.abs(self._borders_m[:, [0, -1]]).max())
+        """The larger of both."""
+        return max(self.reach_m)
 
     def edges_within(self, low_m: float, high_m: float) -> tuple[float, float]:
         """(left, right) m, the edges of the narrowest carriageway between two s."""

@@ -147,6 +147,11 @@ class Road(Section):
         return self.lane_places.widest_m if self.lane_places else self.lanes * self.lane_width_m / 2.0
 
     @property
+    def reach_m(self) -> tuple[float, float]:
+        """(left, right) m, how far the edges are from the centre line at most."""
+        return self.lane_places.reach_m if self.lane_places else (self.half_width_m, self.half_width_m)
+
+    @property
     def lane_places(self) -> LanePlaces | None:
         """Where the lanes lie along the road; none where all have `lane_width_m`."""
         return LanePlaces(self.widths) if self.widths else None

@@ -36,15 +36,19 @@ class Stretch:
         s = np.linspace(self.low_m, self.high_m, count)
         return np.asarray(self._width(lane).at(s)[0])
 
-    def centre(self) -> Cubic:
-        """How far the carriageway's centre is left of the reference line."""
+    def line(self, share: float) -> Cubic:
+        """How far a line is left of the reference line: from 0, the lanes' inner edge, by 0.5, their centre, to 1."""
         offset = Cubic(self.low_m, 0.0).plus(valid_at(self.leg.road.lane_offsets, self._inside_m), 1.0)
         sign = 1.0 if self.leg.is_left else -1.0
         inner = min(map(abs, self.lanes))
         for lane in self.section.lanes:
             if lane != 0 and (lane > 0) == self.leg.is_left and (abs(lane) < inner or lane in self.lanes):
-                offset = offset.plus(self._width(lane), sign * (0.5 if lane in self.lanes else 1.0))
+                offset = offset.plus(self._width(lane), sign * (share if lane in self.lanes else 1.0))
         return offset
+
+    def widths_at(self, s_m: Floats) -> Floats:
+        """(N, lanes) m, the widths of the lanes from the right at each s."""
+        return np.stack([self._width(lane).at(s_m)[0] for lane in self.lanes], axis=1)
 
     def _width(self, lane: int) -> Cubic:
         return valid_at(self.section.lanes[lane].widths, self._inside_m)
@@ -60,15 +64,17 @@ class Carriageway:
 
     stretches: tuple[Stretch, ...]
     lanes: int
-    lane_width_m: float
+    lane_width_m: float  # the median
+    varies: bool  # whether a lane has another width somewhere
 
     @property
-    def half_width_m(self) -> float:
-        return 0.5 * self.lanes * self.lane_width_m
+    def has_left_inside(self) -> bool:
+        """Whether the lanes' left edge is the one towards the reference line."""
+        return not self.stretches[0].leg.road.is_left_hand
 
 
 def carriageway(route: Route) -> Carriageway:
-    """The lanes of a route, counted from the right. Raises InputError if no lane runs through, or widths differ."""
+    """The lanes of a route, counted from the right. Raises InputError if no lane runs through."""
     wide = [track for track in route.tracks if _least_width(route, track) >= TAPER_M]
     if not wide:
         road = route.legs[-1].road
@@ -79,7 +85,10 @@ def carriageway(route: Route) -> Carriageway:
             break
         tracks.append(track)
     stretches = [*_stretches(route.legs, list(zip(*tracks, strict=True)))]
-    return Carriageway(tuple(stretches), len(tracks), _common_width(stretches))
+    widths = np.concatenate([stretch.widths_m(lane) for stretch in stretches for lane in stretch.lanes])
+    common = float(np.median(widths))
+    varies = bool(np.abs(widths - common).max() > WIDTH_TOLERANCE_M)
+    return Carriageway(tuple(stretches), len(tracks), round(common, 4), varies)
 
 
 def _least_width(route: Route, track: Track) -> float:
@@ -128,17 +137,3 @@ def _cuts(road: MapRoad, section: LaneSection, outermost: int, low_m: float, hig
             kept.append(s)
     geometries = {one.s_m for one in road.geometries if low_m + 1e-6 < one.s_m < high_m - 1e-6}
     return sorted(geometries.union(kept))
-
-
-def _common_width(stretches: Sequence[Stretch]) -> float:
-    """The width of the lanes. Raises InputError where one differs by more than a few centimetres."""
-    found = [(stretch, lane, stretch.widths_m(lane)) for stretch in stretches for lane in stretch.lanes]
-    common = float(np.median(np.concatenate([widths for _, _, widths in found])))
-    for stretch, lane, widths in found:
-        worst = float(widths[np.argmax(np.abs(widths - common))])
-        if abs(worst - common) > WIDTH_TOLERANCE_M:
-            raise InputError(
-                f"{stretch.leg.road.where}: lane {lane}.width: expected {common:.2f} m, as the route's other lanes, "
-                f"within {WIDTH_TOLERANCE_M:g} m, got {worst:.2f} m"
-            )
-    return round(common, 4)

@@ -1,4 +1,4 @@
-"""Pieces of curve as one chain of segments without kinks, within a centimetre of the true curve.
+"""Pieces of curve as one chain of segments without kinks, near the true curve, over a map's small gaps.
 
 A map's geometries continue only to some digits. Each piece is turned and scaled so that it ends where the true curve
 does, so gaps do not add up. A turn that moves the end by less than `SLACK_M` is left out. Any other is spread over a
@@ -13,8 +13,10 @@ import numpy as np
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.scenarios.opendrive.pieces import Element, Piece, points_along
+from vpf_sim.types import Floats
 
-TOLERANCE_M = 0.01  # of the finished chain
+TOLERANCE_M = 0.05  # of the finished chain: a gap so wide is bridged
+ROUNDING_M = 0.002
 SLACK_M = 0.002
 MOST_KINK_RAD = 0.02
 KINK_SHIFT_M = 0.002  # a corner is spread so far that it moves the line by this
@@ -74,12 +76,18 @@ class Chain:
         self._heading += sum(0.5 * (one.first_per_m + one.last_per_m) * one.length_m for one in elements)
         self.elements += elements
 
+    def along(self) -> list[Floats]:
+        """m, how far along the chain the points of each piece are."""
+        return [
+            begin_m + piece.distance_m * (end_m - begin_m) / piece.distance_m[-1]
+            for piece, begin_m, end_m in self._truth
+        ]
+
     def check(self, elements: Sequence[Element]) -> None:
         """Raise InputError where finished elements are farther from the true curve than the tolerance."""
-        for piece, begin_m, end_m in self._truth:
-            along = begin_m + piece.distance_m * (end_m - begin_m) / piece.distance_m[-1]
+        for (piece, _, _), along in zip(self._truth, self.along(), strict=True):
             apart = np.abs(points_along(tuple(elements), self.start, self.heading_rad, along) - piece.points)
-            if not apart.max() <= TOLERANCE_M:
+            if not apart.max() <= TOLERANCE_M + ROUNDING_M:
                 place = piece.points[int(apart.argmax())]
                 raise InputError(
                     f"{piece.where}: planView: expected a line that goes on within {TOLERANCE_M:g} m, "

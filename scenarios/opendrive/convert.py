@@ -10,23 +10,31 @@ from vpf_sim.configuration import build
 from vpf_sim.errors import InputError
 from vpf_sim.scenarios.opendrive import chain, segments
 from vpf_sim.scenarios.opendrive.carriageway import Carriageway, carriageway
-from vpf_sim.scenarios.opendrive.keys import OpenDriveFile
+from vpf_sim.scenarios.opendrive.keys import OpenDriveFile, OpenDriveRoad
 from vpf_sim.scenarios.opendrive.marks import look
 from vpf_sim.scenarios.opendrive.network import Network
 from vpf_sim.scenarios.opendrive.pieces import pieces
 from vpf_sim.scenarios.opendrive.routes import find_route
 from vpf_sim.scenarios.opendrive.spans import span
+from vpf_sim.scenarios.opendrive.widths import width_tables
 from vpf_sim.scenarios.parts import FARTHEST_M
 
 HEADING_DIGITS = 9
+INNER, CENTRE, OUTER = 0.0, 0.5, 1.0  # lines along the lanes, as shares of their width
+MEANING = {INNER: "the carriageway", CENTRE: "half the carriageway", OUTER: "the carriageway"}
 
 
 def road_table(table: dict[str, Any], file: str) -> dict[str, Any]:
     """The keys of `Road` for a table that names a map; `file` is the scenario's. Raises InputError."""
     wanted = build(OpenDriveFile, {"road": table}, file).road
     network = Network(Path(file).parent / wanted.opendrive, f"{file}: road.opendrive")
+    return route_table(network, wanted, file, table.get("look", {}))
+
+
+def route_table(network: Network, wanted: OpenDriveRoad, file: str, own_look: dict[str, Any]) -> dict[str, Any]:
+    """The same for a map that is read."""
     with np.errstate(all="ignore"):  # numbers of no road are found where they are used
-        return _table(carriageway(find_route(network, wanted, file)), table.get("look", {}))
+        return _table(carriageway(find_route(network, wanted, file)), own_look)
 
 
 def _table(lanes: Carriageway, own_look: dict[str, Any]) -> dict[str, Any]:
@@ -34,25 +42,42 @@ def _table(lanes: Carriageway, own_look: dict[str, Any]) -> dict[str, Any]:
         "lanes": lanes.lanes,
         "lane_width_m": lanes.lane_width_m,
         "oncoming_lanes": 0,
-        **_centre_line(lanes),
+        **_first_that_fits(lanes),
         "look": {**look(lanes), **own_look},
     }
 
 
-def _centre_line(lanes: Carriageway) -> dict[str, Any]:
-    """Start, heading and segments."""
-    curve = [piece for stretch in lanes.stretches for piece in pieces(span(stretch))]
-    line = chain.Chain(curve[0], lanes.half_width_m)
-    for piece in curve:
+def _first_that_fits(lanes: Carriageway) -> dict[str, Any]:
+    """The line along which s runs: the centre of the lanes, or where their width changes an edge without kinks."""
+    faults = []
+    for share in (INNER, OUTER, CENTRE) if lanes.varies else (CENTRE,):
+        try:
+            return _line(lanes, share)
+        except InputError as error:
+            faults.append(error)
+    raise faults[0]
+
+
+def _line(lanes: Carriageway, share: float) -> dict[str, Any]:
+    """Start, heading, segments and widths, for a line at a share of the lanes' width from their inner edge."""
+    curve = [(stretch, piece) for stretch in lanes.stretches for piece in pieces(span(stretch, share))]
+    width_m = max(float(stretch.widths_at(piece.s_m).sum(axis=1).max()) for stretch, piece in curve)
+    if not lanes.varies:
+        width_m = lanes.lanes * lanes.lane_width_m
+    line = chain.Chain(curve[0][1], 0.5 * width_m)
+    for _, piece in curve:
         line.add(piece)
     found = segments.segments(chain.with_leads(chain.merged(line.elements)))
     made = [*segments.elements(found)]
     line.check(made)
-    if (radius_m := segments.tightest_m(made)) <= lanes.half_width_m:
-        raise InputError(
-            f"{curve[0].where}: planView: expected bends wider than half the carriageway, {lanes.half_width_m:g} m, "
-            f"got a radius of {radius_m:.2f} m"
-        )
+    left_share = share if lanes.has_left_inside else 1.0 - share
+    for sign, side in ((1.0, 1.0 - left_share), (-1.0, left_share)):
+        if (radius_m := segments.tightest_m(made, sign)) <= side * width_m:
+            raise InputError(
+                f"{curve[0][1].where}: planView: expected bends wider than {MEANING[share]}, {side * width_m:g} m, "
+                f"got a radius of {radius_m:.2f} m"
+            )
+    widths = {"widths": width_tables(lanes, curve, line, share)} if lanes.varies else {}
     start = line.start
     is_near = max(abs(start.real), abs(start.imag)) <= FARTHEST_M
     return {
@@ -60,4 +85,5 @@ def _centre_line(lanes: Carriageway) -> dict[str, Any]:
         "start_m": [round(start.real, 6), round(start.imag, 6)] if is_near else [0.0, 0.0],
         "heading_deg": round(math.degrees(math.remainder(line.heading_rad, math.tau)), HEADING_DIGITS),
         "segments": found,
+        **widths,
     }

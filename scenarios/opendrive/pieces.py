@@ -37,6 +37,7 @@ class Piece:
     heading_rad: float  # of the true curve at its start
     distance_m: Floats  # (N,) along the curve
     points: Complexes  # (N,) there
+    s_m: Floats  # (N,) of the road there
 
     @property
     def is_close(self) -> bool:
@@ -76,7 +77,7 @@ def _fit(span: Span) -> Piece:
     elements: tuple[Element, ...] = (Element(length / 2.0, first, middle), Element(length / 2.0, middle, last))
     if abs(middle - 0.5 * (first + last)) * length <= SAME_TURN_RAD:
         elements = (Element(length, first, last),)
-    return Piece(span.where, elements, float(ends.heading_rad[0]), distance, ends.point)
+    return Piece(span.where, elements, float(ends.heading_rad[0]), distance, ends.point, s)
 
 
 def points_along(elements: tuple[Element, ...], start: complex, heading_rad: float, distance_m: Floats) -> Complexes:

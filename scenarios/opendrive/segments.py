@@ -45,6 +45,6 @@ def elements(tables: Iterable[Segment]) -> Iterator[Element]:
         yield Element(one["length_m"], first, curvature)
 
 
-def tightest_m(elements: Iterable[Element]) -> float:
-    """The least radius of a chain; a large one where it is straight."""
-    return 1.0 / max([SAME_PER_M, *(abs(k) for one in elements for k in one[1:])])
+def tightest_m(elements: Iterable[Element], sign: float) -> float:
+    """The least radius of a chain's bends to the right (1) or left (-1); a large one where there is none."""
+    return 1.0 / max([SAME_PER_M, *(sign * k for one in elements for k in one[1:])])

@@ -161,13 +161,6 @@ def test_a_lane_that_opens_is_left_out(tmp_path: Path) -> None:
     assert_on(made, 1, right_of(ON, 5.25))
 
 
-def test_other_widths_are_refused(tmp_path: Path) -> None:
-    lanes = xodr.section(xodr.lane(-1), xodr.lane(-2), xodr.lane(-3, width='a="3.0"'))
-    assert fault(tmp_path, 'route = ["B"]', second(lanes=lanes)) == (
-        "F/map.xodr: road B: lane -3.width: expected 3.50 m, as the route's other lanes, within 0.05 m, got 3.00 m"
-    )
-
-
 def test_a_direction_is_asked_for_where_both_are_possible(tmp_path: Path) -> None:
     both = second(lanes=xodr.section(xodr.lane(1), xodr.lane(-1)))
     assert fault(tmp_path, 'route = ["B"]', both) == (

@@ -1,0 +1,79 @@
+"""Which roads of OpenDRIVE maps load: a Markdown table of a folder of .xodr files, for docs/opendrive.md.
+
+    python scripts/opendrive_maps.py FOLDER
+
+Each road is tried in each direction in which it has driving lanes, as a route of its own. Files with the same content
+count once.
+"""
+
+import hashlib
+import re
+import sys
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+from vpf_sim.errors import InputError
+from vpf_sim.scenarios.opendrive.convert import route_table
+from vpf_sim.scenarios.opendrive.keys import Direction, OpenDriveRoad
+from vpf_sim.scenarios.opendrive.links import Leg
+from vpf_sim.scenarios.opendrive.network import Network
+
+HEAD = "| map | directions | loaded | refused |\n|---|---|---|---|"
+
+
+def main() -> None:
+    if len(sys.argv) != 2:
+        raise SystemExit(__doc__)
+    folder, seen, totals = Path(sys.argv[1]), set(), Counter[str]()
+    print(HEAD)
+    for path in sorted(folder.rglob("*.xodr")):
+        content = hashlib.sha256(path.read_bytes()).digest()
+        if content in seen:
+            continue
+        seen.add(content)
+        outcomes = Counter(outcome for outcome in _outcomes(path) if outcome != "no driving lane")
+        tried, loaded = sum(outcomes.values()), outcomes.pop("loaded", 0)
+        if tried == 0:
+            continue
+        totals.update({"maps": 1, "tried": tried, "loaded": loaded, "none": int(loaded == 0)})
+        reasons = "; ".join(f"{count} {reason}" for reason, count in outcomes.most_common())
+        print(f"| {path.relative_to(folder).as_posix()} | {tried} | {loaded} | {reasons} |", flush=True)
+    share = 100.0 * totals["loaded"] / max(totals["tried"], 1)
+    print(
+        f"\n{totals['maps']} maps, {totals['tried']} directions, {totals['loaded']} loaded ({share:.1f} %), "
+        f"{totals['none']} maps in no direction"
+    )
+
+
+def _outcomes(path: Path) -> Iterator[str]:
+    """What comes of each road in each direction."""
+    try:
+        network = Network(path, "table")
+    except InputError as error:
+        yield _reason(error)
+        return
+    for road in network.roads.values():
+        for forward in (True, False):
+            yield _outcome(network, Leg(road, forward))
+
+
+def _outcome(network: Network, leg: Leg) -> str:
+    try:
+        if not leg.is_drivable:
+            return "no driving lane"
+        direction: Direction = "forward" if leg.forward else "backward"
+        route_table(network, OpenDriveRoad(opendrive="", route=(leg.road.id,), direction=direction), network.file, {})
+    except InputError as error:
+        return _reason(error)
+    return "loaded"
+
+
+def _reason(error: InputError) -> str:
+    """A message without its place and numbers."""
+    said = re.sub(r"^.*?(?=expected)", "", str(error).splitlines()[0], flags=re.DOTALL)
+    return re.sub(r",? got .*$", "", said).replace("expected ", "no ", 1).replace("no a ", "no ", 1).replace("|", "/")
+
+
+if __name__ == "__main__":
+    main()

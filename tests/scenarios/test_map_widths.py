@@ -1,0 +1,99 @@
+"""Maps whose lanes differ in width, or change it along the road, and whose geometries leave small gaps."""
+
+from pathlib import Path
+
+import numpy as np
+import open_drive as xodr
+import pytest
+
+from vpf_sim import scenarios
+from vpf_sim.envs.centre_line import CentreLine
+from vpf_sim.envs.road import Carriageway
+from vpf_sim.scenarios import Scenario
+from vpf_sim.types import Floats
+
+START = (3.0, -2.0, 0.4)
+LENGTH_M = 80.0
+BEND = xodr.of_curvature(lambda s: np.full(s.shape, 0.005), LENGTH_M, START)
+ARC = xodr.geometry('<arc curvature="0.005"/>', LENGTH_M, pose=START)
+CLOSE_M = 0.03  # of a border: widths within 1 cm, steps and slopes spread
+
+
+def loaded(folder: Path, keys: str, *elements: str) -> Scenario:
+    xodr.write_map(folder, *elements)
+    scenario = scenarios.load(str(xodr.write_scenario(folder, keys)))
+    assert isinstance(scenario, Scenario)
+    return scenario
+
+
+def assert_borders(made: Scenario, *left_m: Floats) -> None:
+    """The lanes' borders from the left, as distances left of the reference line at each of its fine steps."""
+    line, places = CentreLine(made.road), made.road.lane_places
+    assert places is not None
+    for number, t in enumerate(left_m):
+        every = slice(100, -100, 200)
+        along, right = line.local(BEND.shifted(lambda s, t=t: t + 0.0 * s)[every])
+        assert np.abs(right - places.borders(along)[number]).max() < CLOSE_M
+
+
+def test_lanes_have_their_own_width(tmp_path: Path) -> None:
+    lanes = xodr.section(
+        xodr.lane(-1, width='a="3.0"'), xodr.lane(-2, width='a="3.75"'), xodr.lane(-3, width='a="2.5"')
+    )
+    made = loaded(tmp_path, 'route = ["A"]', xodr.road("A", ARC, lanes))
+    zero = np.zeros(BEND.s.shape)
+    assert_borders(made, zero, zero - 3.0, zero - 6.75, zero - 9.25)
+    assert len(made.road.widths) == 2
+
+
+@pytest.mark.parametrize("offset", [0.0, 1.2])
+@pytest.mark.parametrize("coefficients", [(3.0, 0.02, 0.0, 0.0), (4.5, 0.0, -1.5e-3, 1.25e-5), (3.5, -0.06, 1e-3, 0.0)])
+def test_a_width_changes_along_the_road(
+    coefficients: tuple[float, float, float, float], offset: float, tmp_path: Path
+) -> None:
+    """The inner lane's width is a polynomial; both lanes and the offset move the outer one."""
+    a, b, c, d = coefficients
+    lanes = xodr.section(xodr.lane(-1, width=f'a="{a}" b="{b}" c="{c}" d="{d}"'), xodr.lane(-2, width='a="3.2"'))
+    made = loaded(tmp_path, 'route = ["A"]', xodr.road("A", ARC, f'<laneOffset s="0" a="{offset}"/>{lanes}'))
+    inner = offset - (a + BEND.s * (b + BEND.s * (c + BEND.s * d)))
+    assert_borders(made, np.full(BEND.s.shape, offset), inner, inner - 3.2)
+
+
+def test_against_s_the_order_of_lanes_is_that_of_the_drive(tmp_path: Path) -> None:
+    lanes = xodr.section(xodr.lane(2, width='a="2.8"'), xodr.lane(1, width='a="3.0" b="0.01"'), xodr.lane(-1))
+    made = loaded(tmp_path, 'route = ["A"]\ndirection = "backward"', xodr.road("A", ARC, lanes))
+    zero = np.zeros(BEND.s.shape)
+    assert_borders(made, zero, zero + 3.0 + 0.01 * BEND.s, zero + 5.8 + 0.01 * BEND.s)
+
+
+def test_in_left_hand_traffic_the_inner_edge_is_the_right_one(tmp_path: Path) -> None:
+    lanes = xodr.section(xodr.lane(2, width='a="2.8"'), xodr.lane(1, width='a="3.0" b="0.01"'))
+    made = loaded(tmp_path, 'route = ["A"]', xodr.road("A", ARC, lanes, more='rule="LHT"'))
+    zero = np.zeros(BEND.s.shape)
+    assert_borders(made, zero + 5.8 + 0.01 * BEND.s, zero + 3.0 + 0.01 * BEND.s, zero)
+
+
+def test_a_step_of_the_width_is_spread(tmp_path: Path) -> None:
+    """At 40 m a section with a wider lane begins; a metre before and after, the widths are the map's."""
+    lanes = xodr.section(xodr.lane(-1, width='a="3.0"')) + xodr.section(xodr.lane(-1, width='a="3.4"'), s=40.0)
+    network = Carriageway(loaded(tmp_path, 'route = ["A"]', xodr.road("A", ARC, lanes)).road)
+    (lane,) = network.lanes_list()
+    assert [lane.width_at(s) for s in (5.0, 39.0, 41.0, 75.0)] == pytest.approx([3.0, 3.0, 3.4, 3.4], abs=0.02)
+
+
+def test_a_turn_lane_that_opens_is_left_out(tmp_path: Path) -> None:
+    """Its width is 0, and by rounding less, before it opens; the lane beside it keeps its own width."""
+    opens = xodr.lane(-2, width='a="-0.001" b="0.05"')
+    made = loaded(tmp_path, 'route = ["A"]', xodr.road("A", ARC, xodr.section(xodr.lane(-1, width='a="3.1"'), opens)))
+    assert (made.road.lanes, made.road.lane_width_m, made.road.widths) == (1, 3.1, ())
+
+
+@pytest.mark.parametrize(("aside_m", "kink_deg"), [(0.045, 0.0), (0.0, 1.0), (-0.03, 0.0)])
+def test_small_gaps_and_kinks_are_bridged(aside_m: float, kink_deg: float, tmp_path: Path) -> None:
+    second = xodr.geometry("<line/>", 60.0, 60.0, (60.0, aside_m, float(np.radians(kink_deg))))
+    road = xodr.road("A", xodr.geometry("<line/>", 60.0) + second, xodr.section(xodr.lane(-1)))
+    line = CentreLine(loaded(tmp_path, 'route = ["A"]', road).road)
+    end = np.array([60.0, aside_m]) + 60.0 * np.array([np.cos(np.radians(kink_deg)), np.sin(np.radians(kink_deg))])
+    along, right = line.local([[30.0, 0.0], (end * [1.0, -1.0]).tolist()])
+    assert np.abs(right + 1.75).max() < 0.055
+    assert along[1] == pytest.approx(120.0, abs=0.05)
