@@ -12,13 +12,16 @@ import numpy as np
 
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import wrap_angle
+from vpf_sim.scenarios.opendrive.cubics import Complexes
 from vpf_sim.scenarios.opendrive.pieces import Element, Piece, points_along
 from vpf_sim.types import Floats
 
 TOLERANCE_M = 0.05  # of the finished chain: a gap so wide is bridged
 ROUNDING_M = 0.002
+ALONG_M = 0.25  # a kink of 1 deg leaves such a gap, or overlap, along a lane 14 m beside the reference line
+TANGENT_M = 1e-3
 SLACK_M = 0.002
-MOST_KINK_RAD = 0.02
+MOST_KINK_RAD = 0.05
 KINK_SHIFT_M = 0.002  # a corner is spread so far that it moves the line by this
 WIDEST_KINK_M = 1000.0  # radius
 LEAST_RATIO, MOST_RATIO = 0.01, 2.0  # of a piece's length after and before it is scaled
@@ -86,13 +89,22 @@ class Chain:
     def check(self, elements: Sequence[Element]) -> None:
         """Raise InputError where finished elements are farther from the true curve than the tolerance."""
         for (piece, _, _), along in zip(self._truth, self.along(), strict=True):
-            apart = np.abs(points_along(tuple(elements), self.start, self.heading_rad, along) - piece.points)
-            if not apart.max() <= TOLERANCE_M + ROUNDING_M:
+            ahead, aside = self._apart(tuple(elements), along, piece.points)
+            if not (aside.max() <= TOLERANCE_M + ROUNDING_M and ahead.max() <= ALONG_M):
+                apart = np.hypot(ahead, aside)
                 place = piece.points[int(apart.argmax())]
                 raise InputError(
                     f"{piece.where}: planView: expected a line that goes on within {TOLERANCE_M:g} m, "
                     f"got {apart.max():.3f} m at x = {place.real:.2f}, y = {-place.imag:.2f}"
                 )
+
+    def _apart(self, elements: tuple[Element, ...], along_m: Floats, points: Complexes) -> tuple[Floats, Floats]:
+        """(N,) m along and beside the chain from its points at some distances to others."""
+        here, next_ = (
+            points_along(elements, self.start, self.heading_rad, along_m + step) for step in (0.0, TANGENT_M)
+        )
+        apart = (points - here) * np.conj((next_ - here) / TANGENT_M)
+        return np.abs(apart.real), np.abs(apart.imag)
 
 
 def _way(elements: Sequence[Element]) -> complex:

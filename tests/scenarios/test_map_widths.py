@@ -97,3 +97,15 @@ def test_small_gaps_and_kinks_are_bridged(aside_m: float, kink_deg: float, tmp_p
     along, right = line.local([[30.0, 0.0], (end * [1.0, -1.0]).tolist()])
     assert np.abs(right + 1.75).max() < 0.055
     assert along[1] == pytest.approx(120.0, abs=0.05)
+
+
+@pytest.mark.parametrize("kink_deg", [-1.0, 1.0, 2.5])
+def test_a_kink_is_bridged_for_lanes_far_from_the_reference_line(kink_deg: float, tmp_path: Path) -> None:
+    """Its two straights leave a gap, or overlap, along the lanes: 5 m aside 0.09 m for 1 deg."""
+    turn = float(np.radians(kink_deg))
+    geometries = xodr.geometry("<line/>", 60.0) + xodr.geometry("<line/>", 60.0, 60.0, (60.0, 0.0, turn))
+    lanes = f'<laneOffset s="0" a="-3.5"/>{xodr.section(xodr.lane(-1))}'
+    line = CentreLine(loaded(tmp_path, 'route = ["A"]', xodr.road("A", geometries, lanes)).road)
+    end = 60.0 + 60.0 * np.exp(1j * turn)
+    _, right = line.local([[30.0, 0.0], [end.real, -end.imag]])
+    assert np.abs(right + 5.25).max() < 0.055
