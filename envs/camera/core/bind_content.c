@@ -49,20 +49,20 @@ static void copy(double *to, const double *from, int count) {
 }
 
 static vc_status add_level(vc_core *core, const Buffers *b) {
-    const int *whole = elements(b, 0, 8, sizeof(int32_t));
+    const int *whole = elements(b, 0, 5, sizeof(int32_t));
     const double *real = elements(b, 1, 46, sizeof(double));
     Py_ssize_t bands = length(b, 2, 4 * sizeof(int32_t)), gains = length(b, 4, 2 * sizeof(float));
     vc_level level;
     level.band = elements(b, 2, bands, sizeof(vc_band));
     level.weight = elements(b, 3, length(b, 3, 1), 1);
     level.gain = elements(b, 4, gains, 2 * sizeof(float));
-    if (!whole || !real || !level.band || !level.weight || !level.gain) return VC_INVALID;
+    level.fineness = elements(b, 5, gains, 3);
+    if (!whole || !real || !level.band || !level.weight || !level.gain || !level.fineness) return VC_INVALID;
     level.steep = whole[0];
     level.rows = whole[1];
     level.columns = whole[2];
     level.fine_x = whole[3];
     level.fine_y = whole[4];
-    for (int i = 0; i < 3; i++) level.grain_fineness[i] = whole[5 + i];
     level.bands = (int)bands;
     level.weights = (int)length(b, 3, 1);
     level.gains = (int)gains;
@@ -74,14 +74,14 @@ static vc_status add_level(vc_core *core, const Buffers *b) {
     return vc_add_level(core, &level);
 }
 
-/* core, then: (8,) int32, (46,) float64, bands, weights, gains. */
+/* core, then: (5,) int32, (46,) float64, bands, weights, gains, fineness. */
 FUNCTION(bind_add_level) {
     (void)self;
-    PyObject *capsule, *o[5];
+    PyObject *capsule, *o[6];
     Buffers buffers;
-    if (!PyArg_ParseTuple(arguments, "OOOOOO", &capsule, o, o + 1, o + 2, o + 3, o + 4)) return NULL;
+    if (!PyArg_ParseTuple(arguments, "OOOOOOO", &capsule, o, o + 1, o + 2, o + 3, o + 4, o + 5)) return NULL;
     vc_core *core = core_of(capsule);
-    if (core == NULL || !take_buffers(&buffers, o, 5, 0)) return NULL;
+    if (core == NULL || !take_buffers(&buffers, o, 6, 0)) return NULL;
     vc_status status = add_level(core, &buffers);
     release(&buffers);
     return result(status);

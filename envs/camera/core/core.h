@@ -94,8 +94,8 @@ typedef struct {
     const vc_band *band;           /* (bands,) from the farthest row on */
     const uint8_t *weight;         /* (weights,) opacity of the faded rows from the first on, of 255 */
     double grain_from_world[3][9]; /* from the world to texels of the noise: fine, coarse, blotches */
-    int grain_fineness[3];         /* samples along a texel, powers of 2 */
     int gains;                     /* 1, or the raster's rows */
+    const uint8_t *fineness;       /* (gains, 3) samples of each noise along a texel, by row */
     const float *gain;             /* (gains, 2) gains of grain and blotches, by row; 0 for none */
 } vc_level;
 

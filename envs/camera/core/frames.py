@@ -97,11 +97,14 @@ class Core:
         bands: NDArray[np.int32],
         weights: Image,
         gains: NDArray[np.float32],
+        fineness: NDArray[np.int64],
     ) -> None:
         """Add a level of the ground, the farthest first; see `vc_level` in core.h."""
         numbers = np.array(whole, np.int32), np.array(real, np.float64)
         gains = np.ascontiguousarray(rounded(gains, SHARE), np.float32)
-        self._set("add_level", *numbers, np.ascontiguousarray(bands, np.int32), _bytes(weights), gains)
+        self._set(
+            "add_level", *numbers, np.ascontiguousarray(bands, np.int32), _bytes(weights), gains, _bytes(fineness)
+        )
 
     def add_panorama(
         self, rows: slice, coarse: int, px: Image, columns_per_rad: float, across: Floats, down: Floats

@@ -80,11 +80,12 @@ void vc_add_grain(vc_ground_part *ground, const vc_level *spec, const double *to
     double matrices[SIZES][9];
     for (int i = 0; i < SIZES; i++) vc_multiply(spec->grain_from_world[i], to_world, matrices[i]);
     for (int row = 0; row < rows; row++) {
-        const float *gain = spec->gain + 2 * vc_min(row, spec->gains - 1);
+        int entry = vc_min(row, spec->gains - 1);
+        const float *gain = spec->gain + 2 * entry;
         if (gain[0] == 0.0f && gain[1] == 0.0f) continue;
         for (int i = 0; i < SIZES; i++) {
             const uint8_t *tile = ground->tiles + (i < 2 ? 0 : (size_t)(VC_TILE + 1) * VC_STRIDE);
-            sample(tile, matrices[i], row, spec->columns, EVERY[i], spec->grain_fineness[i], scratch->noise,
+            sample(tile, matrices[i], row, spec->columns, EVERY[i], spec->fineness[3 * entry + i], scratch->noise,
                    scratch->grain[i] + 1);
         }
         add(ground, spec->columns, gain, values + (size_t)row * spec->columns);

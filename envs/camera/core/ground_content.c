@@ -20,6 +20,7 @@ static void free_level(Level *level) {
     free((void *)level->spec.band);
     free((void *)level->spec.weight);
     free((void *)level->spec.gain);
+    free((void *)level->spec.fineness);
     free(level->paint.close);
     free(level->shadows.close);
 }
@@ -118,8 +119,8 @@ static int makes_sense(const vc_core *core, const vc_level *spec) {
     int blocks = !spec->steep || (spec->step >= 1.0 && spec->rows % (int)spec->step == 0);
     if (!fine || !size || !blocks || spec->columns % 8 != 0 || spec->gains < 1 || spec->step <= 0.0) return 0;
     if (spec->sidestep <= 0.0 || spec->turn_rad <= 0.0) return 0;
-    for (int i = 0; i < 3; i++)
-        if (spec->grain_fineness[i] < 1) return 0;
+    for (int i = 0; i < 3 * spec->gains; i++)
+        if (spec->fineness[i] < 1) return 0;
     for (int i = 0; i < spec->bands; i++) {
         const vc_band *band = spec->band + i;
         int faded = band->last - spec->band[0].first;
@@ -172,7 +173,8 @@ vc_status vc_add_level(vc_core *core, const vc_level *spec) {
     level->spec.band = vc_copied(spec->band, (size_t)spec->bands, sizeof *spec->band, 0);
     level->spec.weight = vc_copied(spec->weight, (size_t)spec->weights, 1, 0);
     level->spec.gain = vc_copied(spec->gain, (size_t)spec->gains, 2 * sizeof *spec->gain, 0);
-    int memory = level->spec.band && level->spec.weight && level->spec.gain;
+    level->spec.fineness = vc_copied(spec->fineness, (size_t)spec->gains, 3, 0);
+    int memory = level->spec.band && level->spec.weight && level->spec.gain && level->spec.fineness;
     memory &= nearby_of(&level->paint, &ground->paint) && nearby_of(&level->shadows, &ground->shadows);
     for (int i = 0; i < VC_SLOTS; i++)
         memory &= (level->slots[i].texels = malloc((size_t)spec->rows * spec->columns * sizeof(uint16_t))) != NULL;

@@ -1,7 +1,7 @@
 """The ground as content of the core: paint, shadows, palette, haze, and its levels with their grain."""
 
 from dataclasses import dataclass
-from math import ceil, log2
+from math import log2
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from vpf_sim.envs.camera.core.frames import Core, Polygons
 from vpf_sim.envs.camera.detail import detail
 from vpf_sim.envs.camera.ground.appearance import ramp
-from vpf_sim.envs.camera.ground.levels import ALONG, Level, levels
+from vpf_sim.envs.camera.ground.levels import Level, levels
 from vpf_sim.envs.camera.ground.paint import GRASS, Batch, painted
 from vpf_sim.envs.camera.ground.palette import blotch_strength, grain_strength, ground_table, lamp_table
-from vpf_sim.envs.camera.ground.rasters import ROWS, RasterShape, raster_shape
+from vpf_sim.envs.camera.ground.rasters import raster_shape
 from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
@@ -33,6 +33,7 @@ COARSER = 2.0  # second grain size over the first
 SPARSE = 7.0  # texels of noise between averaged samples
 BLOTCH_M = 0.6  # texel of the coarse noise
 FINEST = 16  # most samples of noise along a texel of the raster
+LEAST_FALL = 1e-4  # of a ray below the horizon, over its length ahead
 GRAINY_M = (10.0, 30.0)  # texel lengths at which grain starts to fade, and has faded
 NO_POLYGONS: Polygons = (np.zeros(1, np.int64), np.empty((0, 2)), np.empty(0, np.int64), np.empty(0))
 
@@ -42,15 +43,15 @@ class Grains:
     """The noise of one level: its sizes, placed in the world by a seed."""
 
     from_world: Floats  # (3, 3, 3) from world points to texels of fine and coarse grain and of blotches
-    fineness: list[int]  # samples along a texel of the raster, each
+    fineness: NDArray[np.int64]  # (1 or rows, 3) samples of each along a texel of the raster
 
     @classmethod
-    def of(cls, level: Level, seed: int) -> "Grains":
+    def of(cls, camera: Camera, level: Level, seed: int) -> "Grains":
         """The noise of a level."""
-        longest = level.along_m * (ALONG if level.steep else (level.far_m / level.near_m) ** 2 / ROWS)
-        sizes = (SIZE * level.across_m, COARSER * SIZE * level.across_m, BLOTCH_M)
-        fineness = [min(FINEST, 2 ** max(0, ceil(log2(longest / (SPARSE * size))))) for size in sizes]
-        return cls(np.array([_placed(size, seed) for size in sizes]), fineness)
+        sizes = np.array((SIZE * level.across_m, COARSER * SIZE * level.across_m, BLOTCH_M))
+        sparse = texel_lengths(camera, level)[:, None] / (SPARSE * sizes)
+        fineness = 2 ** np.clip(np.ceil(np.log2(sparse)), 0, log2(FINEST)).astype(np.int64)
+        return cls(np.array([_placed(size, seed) for size in sizes.tolist()]), fineness)
 
 
 def set_ground(
@@ -83,7 +84,7 @@ def set_ground(
         shadows=polygons_of(shadow_batches(shadows)),
     )
     for level, gain in zip(levels(core.camera), gains, strict=True):
-        add_level(core, level, Grains.of(level, seed), look.grain * shown_gains(core.camera, level, gain))
+        add_level(core, level, Grains.of(core.camera, level, seed), look.grain * shown_gains(core.camera, level, gain))
 
 
 def add_level(core: Core, level: Level, grains: Grains, gains: NDArray[np.float32]) -> None:
@@ -95,29 +96,33 @@ def add_level(core: Core, level: Level, grains: Grains, gains: NDArray[np.float3
     numbers = [level.near_m / detail(camera), shape.across_m, shape.along_m, shape.turn_rad, shape.step, shape.sidestep]
     numbers += [shape.ahead_m, shape.right_m, shape.phase, shape.depth_scale]
     core.add_level(
-        [level.steep, shape.rows, shape.columns, *fine, *grains.fineness],
+        [level.steep, shape.rows, shape.columns, *fine],
         [*numbers, *shape.to_texels.ravel(), *grains.from_world.ravel()],
         bands,
         level.weights[:, 0],
-        gains,
+        np.broadcast_to(gains, (len(grains.fineness), 2)),
+        grains.fineness,
     )
 
 
 def shown_gains(camera: Camera, level: Level, gain: Floats) -> NDArray[np.float32]:
     """(1 or rows, 2) gains of grain and blotches, faded where texels are long."""
-    shape = raster_shape(camera, level)
-    lengths = np.array([shape.along_m]) if level.steep else far_lengths(camera, shape)
+    lengths = texel_lengths(camera, level)
     shortest, longest = GRAINY_M
     shown = np.clip((longest - lengths) / (longest - shortest), 0.0, 1.0)
     return np.stack([shown * gain, shown], axis=1).astype(np.float32)
 
 
-def far_lengths(camera: Camera, shape: RasterShape) -> Floats:
-    """(rows,) m, the length of each row's texels in a far raster."""
+def texel_lengths(camera: Camera, level: Level) -> Floats:
+    """(1,) or (rows,) m, the length of a near raster's texels, or of each row's in a far one."""
+    shape = raster_shape(camera, level)
+    if level.steep:
+        return np.array([shape.along_m])
     row_px = (np.arange(-1.0, shape.rows + 1.0) - shape.to_texels[1, 2]) / shape.to_texels[1, 1]
     down = (row_px - camera.cy_px) / camera.fy_px
     c, s = np.cos(camera.pitch_rad), np.sin(camera.pitch_rad)
-    ahead = camera.height_m * (c - s * down) / (c * down + s)
+    below = np.maximum(c * down + s, LEAST_FALL)
+    ahead = camera.height_m * (c - s * down) / below
     return np.asarray(0.5 * np.abs(ahead[2:] - ahead[:-2]))
 
 

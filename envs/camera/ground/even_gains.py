@@ -59,7 +59,7 @@ def _grey(camera: Camera, level: Level) -> Core:
     haze = np.empty((0, 4), np.uint8)
     core.set_ground(greys, 1.0, MIDDLE, noise_tiles(), (ones, 0.0 * ones), haze, NO_POLYGONS, NO_POLYGONS)
     sharp = replace(level, bands=[replace(band, faded=False) for band in level.bands])
-    add_level(core, sharp, Grains.of(level, 0), np.ones((1, 2), np.float32))
+    add_level(core, sharp, Grains.of(camera, level, 0), np.ones((1, 2), np.float32))
     return core
 
 
