@@ -12,7 +12,6 @@ from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.onboard.bonnet import Bonnet
 from vpf_sim.envs.camera.onboard.recorder import ExposureControl, Recorder
 from vpf_sim.envs.camera.onboard.windscreen import Windscreen
-from vpf_sim.envs.camera.painted_world import PaintedWorld
 from vpf_sim.envs.camera.rain.streaks import Streaks
 from vpf_sim.envs.camera.rig import Rig
 from vpf_sim.envs.camera.sensor import Sensor
@@ -38,8 +37,7 @@ class Renderer:
         light, atmosphere = Light.of(weather), Atmosphere.of(weather)
         self._lens = Lens(rig.camera)
         camera = self._camera = self._lens.pinhole
-        by_core = atmosphere.wetness == 0.0 or not light.has_lamps
-        self._world = (World if by_core else PaintedWorld)(road, camera, light, atmosphere, seed)
+        self._world = World(road, camera, light, atmosphere, seed)
         self._streaks = Streaks(camera, atmosphere, light, weather.streak_gain, seed)
         self._glass = Glass(rig.camera, weather, light, seed)
         self._bonnet = Bonnet(camera, light) if rig.bonnet else None

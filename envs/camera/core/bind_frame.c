@@ -3,8 +3,8 @@
 
 #include "internal.h"
 
-/* core, x, y, yaw, time_us, (n, 4) objects: x, y, heading as float64 and the mesh as int64; (n, 5) lamps: x, y, depth as
- * float64, glow and object as int64. */
+/* core, x, y, yaw, time_us, (n, 4) objects: x, y, heading as float64 and the mesh as int64; (n, 10) lamps: x, y,
+ * depth, flux, size, colour as float64, glow and object as int64. */
 FUNCTION(bind_begin) {
     (void)self;
     PyObject *capsule, *o[2];

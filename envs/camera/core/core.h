@@ -226,6 +226,7 @@ int vc_add_glow(vc_core *core, int size, const uint8_t *px);
 /* A lamp that shines into the camera, at a place of the image; drawn after an object, or with the scenery for -1. */
 typedef struct {
     double x_px, y_px, depth_m;
+    double flux, size_px, colour[3]; /* light in pixels of full brightness, diameter, linear RGB: for its mirror image */
     int64_t glow, object;
 } vc_lamp;
 

@@ -16,7 +16,7 @@ POSITION_M = 1.0 / 1024.0  # resolution of points
 SHARE = 1.0 / 65536.0  # resolution of directions, factors and shares
 LEVEL = 1.0 / 256.0  # resolution of colours, grey levels
 
-NO_LAMPS = np.empty((0, 5))
+NO_LAMPS = np.empty((0, 10))
 Array = NDArray[Any]
 Polygons = tuple[NDArray[np.int64], Floats, NDArray[np.int64], Floats]  # starts (n + 1,), points, values, ranges
 
@@ -210,8 +210,9 @@ class Core:
     ) -> None:
         """Set the pose of the next frame and find what it shows.
 
-        `objects` is (n, 4): x, y, heading, and the number of the mesh as the bits of an int64. `lamps` is (n, 5):
-        x, y in px, depth, and as the bits of int64 the number of the picture, and of the object or -1.
+        `objects` is (n, 4): x, y, heading, and the number of the mesh as the bits of an int64. `lamps` is (n, 10):
+        x, y in px, depth, flux, size in px, linear RGB, and as the bits of int64 the number of the picture, and of the
+        object or -1.
         """
         if len(objects) > self._reserved:
             self._reserved = 2 * len(objects)

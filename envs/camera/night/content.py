@@ -51,7 +51,7 @@ class FrameLamps:
         self._glows: dict[GlowKind, int] = {}  # numbers of the core's pictures
 
     def of(self, now: Snapshot) -> Floats:
-        """(n, 5) the lamps that shine into the camera, for the core; parked vehicles have none."""
+        """(n, 10) the lamps that shine into the camera, for the core; parked vehicles have none."""
         light, view = self._lamplight.light, now.view
         lamps = street_lamps(view, self._lamplight.lamps_ahead(view, TALL_RANGE_M), light)
         owners = [-1] * len(lamps)
@@ -63,8 +63,8 @@ class FrameLamps:
             owners += [index] * len(found)
         glows = [self._number(lamp) for lamp in lamps]
         shown = [i for i, glow in enumerate(glows) if glow is not None]
-        result = np.array([(lamps[i].x_px, lamps[i].y_px, lamps[i].depth_m, 0.0, 0.0) for i in shown]).reshape(-1, 5)
-        result.view(np.int64)[:, 3:] = np.array([(glows[i], owners[i]) for i in shown], np.int64).reshape(-1, 2)
+        result = np.array([(*_numbers(lamps[i]), 0.0, 0.0) for i in shown]).reshape(-1, 10)
+        result.view(np.int64)[:, 8:] = np.array([(glows[i], owners[i]) for i in shown], np.int64).reshape(-1, 2)
         return result
 
     def _number(self, lamp: Lamp) -> int | None:
@@ -73,3 +73,7 @@ class FrameLamps:
         if kind is not None and kind not in self._glows:
             self._glows[kind] = self._core.add_glow(glow_picture(*kind, self._core.camera.fx_px))
         return None if kind is None else self._glows[kind]
+
+
+def _numbers(lamp: Lamp) -> tuple[float, ...]:
+    return lamp.x_px, lamp.y_px, lamp.depth_m, lamp.flux, lamp.size_px, *lamp.colour

@@ -9,7 +9,7 @@ from vpf_sim.envs.camera.core.frames import Core
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.rain.puddles import CELL_M, HeightMap, Puddles
-from vpf_sim.envs.camera.rain.spray import OPACITY, VARIANTS, puff_picture
+from vpf_sim.envs.camera.rain.spray import LIT_BY_LAMPS, OPACITY, VARIANTS, puff_picture
 from vpf_sim.envs.camera.rain.wetness import Wetness
 from vpf_sim.seeding import stream
 
@@ -48,5 +48,6 @@ def wet_surface(
         return None
     strength = OPACITY * min(1.0, max(atmosphere.wetness, atmosphere.puddles))
     pictures = np.stack([puff_picture(variant) for variant in range(VARIANTS)])
-    core.set_spray(strength, light.horizon, pictures, int(stream(seed, "spray").integers(0, 2**63)))
+    colour = np.maximum(light.horizon, LIT_BY_LAMPS) if light.has_lamps else light.horizon
+    core.set_spray(strength, colour, pictures, int(stream(seed, "spray").integers(0, 2**63)))
     return WetSurface(core, wetness, shapes, seed)

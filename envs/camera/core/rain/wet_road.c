@@ -13,7 +13,8 @@ void vc_wet_free(vc_wet_part *wet) {
     if (wet == NULL) return;
     void *all[] = {(void *)wet->spec.reflectance, (void *)wet->spec.share, wet->depths, wet->sky, wet->sharp,
                    wet->smeared, wet->light, wet->kept, wet->share, wet->through, wet->standing, wet->layer, wet->sums,
-                   wet->wide[0].through, wet->wide[0].light, wet->wide[1].through, wet->wide[1].light};
+                   wet->wide[0].through, wet->wide[0].light, wet->wide[1].through, wet->wide[1].light,
+                   wet->lamplight};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
     free(wet);
 }
@@ -26,6 +27,7 @@ static int has_room(vc_wet_part *wet) {
     for (size_t i = 0; i < sizeof planes / sizeof *planes; i++) fits &= (*planes[i] = calloc(pixels, 1)) != NULL;
     for (size_t i = 0; i < sizeof pictures / sizeof *pictures; i++) fits &= (*pictures[i] = calloc(pixels, 3)) != NULL;
     fits &= (wet->layer = malloc(pixels * 4 * sizeof *wet->layer)) != NULL;
+    fits &= (wet->lamplight = malloc(pixels * 3 * sizeof *wet->lamplight)) != NULL;
     fits &= (wet->sums = malloc(columns * 3 * sizeof *wet->sums)) != NULL;
     for (int i = 0; i < 2; i++) {
         fits &= (wet->wide[i].through = malloc((2 * columns + 1) * 3 * sizeof(uint16_t))) != NULL;
@@ -43,6 +45,7 @@ vc_status vc_set_wet_road(vc_core *core, const vc_wet_road *from) {
     vc_wet_part *wet = core->wet = calloc(1, sizeof *wet);
     if (wet == NULL) return VC_NO_MEMORY;
     wet->spec = *from;
+    vc_fill_gamma(wet->gamma);
     wet->spec.reflectance = vc_copied(from->reflectance, (size_t)from->rows * from->columns, 1, 0);
     wet->spec.share = vc_copied(from->share, 256, 1, 0);
     return wet->spec.reflectance && wet->spec.share && has_room(wet) ? VC_OK : VC_NO_MEMORY;
@@ -179,6 +182,7 @@ void vc_draw_wet_road(vc_core *core, vc_image image) {
     vc_mirror_sky(core, image);
     vc_find_water(core);
     find_light(core, wet->sky, 1, wet->light);
+    vc_add_lamp_streaks(core);
     blend(core, image);
 }
 

@@ -8,7 +8,10 @@
 
 #include "internal.h"
 
-enum { VC_HALF = 2 }; /* image pixels per pixel of the canvas */
+enum {
+    VC_HALF = 2,    /* image pixels per pixel of the canvas */
+    VC_GAMMA = 1024 /* entries of a table of grey levels */
+};
 
 /* A row of the canvas as wide as the image, (3 width,) each, times 4. */
 typedef struct {
@@ -29,12 +32,17 @@ struct vc_wet_part {
     uint32_t *layer;             /* samples of faces */
     uint16_t *sums;              /* (3 columns,) */
     vc_wide wide[2];
+    float *lamplight;            /* (rows, columns, 3) linear light of mirrored lamps */
+    uint8_t gamma[VC_GAMMA];     /* grey levels by the root of linear light */
 };
 
 /* Fills `sky` from a picture of sky and ground. */
 void vc_mirror_sky(vc_core *core, vc_image image);
 /* Draws the largest items of the frame mirrored over `sharp`. */
 void vc_mirror_items(vc_core *core);
+/* Adds the mirror images of the frame's lamps to `light`, after vc_find_water. */
+void vc_add_lamp_streaks(vc_core *core);
+void vc_fill_gamma(uint8_t *levels); /* (VC_GAMMA,) */
 /* Marks the pixels (height, width) where the last frame's reflections hide the road by 1, others by 0. */
 void vc_mark_reflections(vc_core *core, int32_t *hidden);
 /* Fills `share`, `through` and `standing`. */
