@@ -11,10 +11,11 @@ import argparse
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 from vpf_sim.cli.tables import print_table
-from vpf_sim.evaluation.sweeps.json_lines import read_lines
+from vpf_sim.evaluation.metrics.records import Record
+from vpf_sim.evaluation.metrics.registry import CLEARANCE
+from vpf_sim.evaluation.sweeps.run_folder import read_records
 
 FAULTS = {
     "none": "",
@@ -44,7 +45,7 @@ def write_scenario(folder: Path, base: str, fault: str) -> Path:
     return path
 
 
-def sweep(scenarios: list[Path], arguments: argparse.Namespace) -> list[dict[str, Any]]:
+def sweep(scenarios: list[Path], arguments: argparse.Namespace) -> list[Record]:
     """Drive all scenarios; returns the records. Exit code 1 is accepted, since failures are results here."""
     out = arguments.out / "run"
     command = [sys.executable, "-m", "vpf_sim.cli", "sweep", "--weather", arguments.weather]
@@ -56,15 +57,15 @@ def sweep(scenarios: list[Path], arguments: argparse.Namespace) -> list[dict[str
     code = subprocess.run(command).returncode
     if code not in (0, 1):
         sys.exit(code)
-    return read_lines(out / "episodes.jsonl")
+    return read_records(out)
 
 
-def cell(found: list[dict[str, Any]]) -> str:
+def cell(found: list[Record]) -> str:
     """Successes with their least clearance, and the endings of the other episodes."""
-    good = [one for one in found if one["status"] == "success"]
-    clearances_m = [one["min_clearance_m"] for one in good if one["min_clearance_m"] is not None]
+    good = [one for one in found if one.succeeded]
+    clearances_m = [gap for one in good if (gap := one[CLEARANCE]) is not None]
     least = f", {min(clearances_m):.2f} m" if clearances_m else ""
-    failed = ", ".join(f"{one['seed']} {one['status']}" for one in found if one not in good)
+    failed = ", ".join(f"{one.seed} {one.status}" for one in found if one not in good)
     return f"{len(good)}/{len(found)}{least}" + (f" ({failed})" if failed else "")
 
 
@@ -88,8 +89,8 @@ def main() -> None:
     records = sweep(list(files.values()), arguments)
     rows = []
     for (base, fault), path in files.items():
-        of_file = [record for record in records if record["scenario"] == str(path)]
-        cells = [cell([record for record in of_file if record["driver"] == driver]) for driver in drivers]
+        of_file = [record for record in records if record.scenario == str(path)]
+        cells = [cell([record for record in of_file if record.driver == driver]) for driver in drivers]
         rows.append((base, fault, *cells))
     print_table(("scenario", "fault", *drivers), rows)
 

@@ -90,7 +90,7 @@ def state() -> list[object]:
 def test_an_episode_leaves_the_process_as_it_was(place: Path) -> None:
     before = state()
     result = episode.run("short.toml", "clear", "restless_drivers:Restless", 0)
-    assert result.record["status"] == "success", result.timing.get("traceback")
+    assert result.record.succeeded, result.traceback
     assert state() == before
     assert Path.cwd() == place
 

@@ -51,9 +51,9 @@ def drive(pytestconfig: pytest.Config) -> Drive:
 
 def _how_it_ended(episode: "Episode") -> str:
     """The traceback, if there is one, the status, and the command that drives the episode again."""
-    from vpf_sim.evaluation.gate.cells import Cell
+    from vpf_sim.evaluation.analysis.rows import Cell
     from vpf_sim.evaluation.gate.checks import drive_command
 
-    record = episode.record
-    again = drive_command(Cell(record["scenario"], record["weather"], record["driver"]), [record["seed"]])
+    record = episode.result.record
+    again = drive_command(Cell(*record.cell), [record.seed])
     return f"{episode.error}\n{episode.status}; again: {again}"

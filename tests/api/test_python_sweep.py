@@ -18,7 +18,7 @@ from short_scenario import write_short
 import vpf_sim
 from vpf_sim import cli
 from vpf_sim.drivers import RouteDriver
-from vpf_sim.evaluation.sweeps.run_folder import read_manifest
+from vpf_sim.evaluation.sweeps.manifest import read_manifest
 
 MODULE = """
 import vpf_sim
@@ -78,7 +78,7 @@ WEATHERS = ("clear", "rain")
 def test_workers_drive_a_class_that_they_can_import(short: Path) -> None:
     run = sweep(short, [OwnPid, "neutral"], workers=2)
     assert os.getpid() not in set(run.timing["process"])
-    assert read_manifest(run.path)["plan"]["driver"] == [f"{__name__}:OwnPid", "neutral"]
+    assert read_manifest(run.path).plan["driver"] == [f"{__name__}:OwnPid", "neutral"]
 
 
 class OwnPid(RouteDriver):
@@ -219,7 +219,7 @@ def test_a_module_loaded_anew_is_driven_as_it_is_now(short: Path, monkeypatch: p
 def test_seeds_are_numbers_in_any_order(short: Path) -> None:
     run = sweep(short, Speed(), seeds=np.array([7, 3]))
     assert sorted(run.records["seed"]) == [3, 7]
-    assert read_manifest(run.path)["plan"]["seeds"] == "7,3"
+    assert read_manifest(run.path).plan["seeds"] == "7,3"
 
 
 def in_a_process_without_others(short: Path, out: str, options: dict[str, Any]) -> list[str]:

@@ -3,7 +3,7 @@
 from typing import Any
 
 import pytest
-from stored import record
+from stored import record, records
 
 from vpf_sim.cli.benchmark import print_benchmark
 from vpf_sim.evaluation.analysis import benchmark
@@ -24,7 +24,7 @@ def ended(job: Job) -> dict[str, Any]:
 
 def shown(capsys: pytest.CaptureFixture[str], seeds: str) -> list[str]:
     plan = benchmark.plan(seeds, [])
-    rows = benchmark.with_paper(summarize(plan.jobs(), [ended(job) for job in plan.jobs()]))["rows"]
+    rows = summarize(plan.jobs(), records(ended(job) for job in plan.jobs())).rows
     print_benchmark(rows, seeds)
     return capsys.readouterr().out.splitlines()
 

@@ -28,8 +28,8 @@ def spoil(name: str, text: str) -> Callable[[Path], None]:
         (spoil("manifest.json", "{"), "manifest.json: expected JSON, got something else"),
         (lambda folder: (folder / "manifest.json").unlink(), "manifest.json: expected the manifest of a run"),
         (spoil("episodes.jsonl", "[]\n"), "episodes.jsonl: line 1: expected a JSON object, got b'[]'"),
-        (spoil("episodes.jsonl", '{"id": "a"}\n'), "episodes.jsonl: record 'a': key 'status' is missing"),
-        (spoil("episodes.jsonl", '{"id": 3}\n'), "episodes.jsonl: record 3: id: expected a valid string, got 3"),
+        (spoil("episodes.jsonl", '{"id": "a"}\n'), "episodes.jsonl: \"a\": key 'scenario' is missing"),
+        (spoil("episodes.jsonl", '{"id": 3}\n'), "episodes.jsonl: 3: id: expected a valid string, got 3"),
     ],
 )
 def test_an_incomplete_or_foreign_run_folder_is_one_clear_line(

@@ -9,7 +9,6 @@ from stored import record, store
 
 from vpf_sim import cli
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.sweeps import run_folder
 from vpf_sim.evaluation.sweeps.plan import make_plan
 
 GRID = ["sweep", "--dry-run", "--scenario", "short.toml", "--driver", "pid", "--driver", "neutral", "--seeds", "3:6"]
@@ -47,7 +46,9 @@ def test_stored_episodes_are_left_out(folder: Path, capsys: pytest.CaptureFixtur
         {"scenario": ["short.toml"], "weather": ["clear"], "driver": ["pid", "neutral"], "seeds": "3:6"}, "test"
     )
     store(folder / "run", plan, [record(Job("short.toml", "clear", "pid", seed)) for seed in (3, 5)])
-    (folder / "run" / "manifest.json").write_text(json.dumps(run_folder.manifest("sweep", plan)))
+    from vpf_sim.evaluation.sweeps.manifest import Manifest
+
+    (folder / "run" / "manifest.json").write_text(json.dumps(Manifest.of("sweep", plan).as_json()))
     before = {path: path.read_bytes() for path in (folder / "run").iterdir()}
     assert cli.run([*GRID, "--out", "run", "--resume"]) == 0
     said = capsys.readouterr().out

@@ -39,7 +39,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     plan = Plan(("straight",), ("clear", "rain"), ("vpf",), "0:3")
     run = store(tmp_path / "run", plan, [record(job) for job in plan.jobs()])
     for file in (run / "summary.json", tmp_path / "before.json"):
-        write_json(file, open_run(run).summary(plan.jobs()))
+        write_json(file, open_run(run).summary().as_json())
     return tmp_path
 
 

@@ -34,7 +34,7 @@ def test_the_pictures_are_the_frames_of_the_run_to_the_bit(driven: Driven, store
     looked = driven.table.looked > 0.0
     assert 0 < looked.sum() < len(looked), "the driver looked at some of them"
     record = open_run(driven.path).record(driven.ids["weaves"])
-    assert sha256(np.ascontiguousarray(pictures[looked]).data).hexdigest() == record["frames_sha256"]
+    assert sha256(np.ascontiguousarray(pictures[looked]).data).hexdigest() == record.frames_sha256
 
 
 def test_actions_states_and_rewards_are_those_of_the_run_to_the_bit(driven: Driven, stored: Any) -> None:

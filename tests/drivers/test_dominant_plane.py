@@ -143,5 +143,5 @@ def test_it_arrives_on_a_straight_road(tmp_path: Path) -> None:
     path = tmp_path / "short.toml"
     path.write_text('schema = 1\nbase = "straight"\n[goal]\ns_m = 65.0\n')
     found = episode.run(str(path), "clear", "dominant-plane", 0)
-    assert found.record["status"] == "success"
-    assert found.record["max_lane_offset_m"] < 1.0
+    assert found.record.succeeded
+    assert found.record.scores["max_lane_offset_m"] < 1.0

@@ -12,10 +12,12 @@ from vpf_sim import drivers
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.episode import episode
-from vpf_sim.evaluation.metrics.records import failed
+from vpf_sim.evaluation.metrics.records import Timing
+from vpf_sim.evaluation.metrics.scoring import failed
 from vpf_sim.evaluation.steps import StepTable
+from vpf_sim.evaluation.sweeps.manifest import Manifest
 from vpf_sim.evaluation.sweeps.plan import Plan
-from vpf_sim.evaluation.sweeps.run_folder import RunFolder, manifest
+from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 from vpf_sim.types import Command, Driver, Image, Observation
 
 WEATHER, SEED = "rain", 3
@@ -67,17 +69,17 @@ def drive(root: Path) -> Driven:
     for name, kind in made.items():
         drivers.admit(name, kind)
     plan = Plan((scenario,), (WEATHER,), tuple(made), f"{SEED}:{SEED + 1}")
-    folder = RunFolder(root / "run", manifest("sweep", plan))
+    folder = RunFolder(root / "run", Manifest.of("sweep", plan))
     ids, tables = {}, {}
     for job in plan.jobs():
         ids[job.driver] = job.id
         if job.driver == "never":
-            folder.add(failed(job), {"id": job.id})
+            folder.add(failed(job), Timing(id=job.id))
             continue
         result = episode.run(*job)
         tables[job.driver] = result.steps
         steps.write(result.steps, folder.path / "steps" / f"{job.id}.parquet")
-        folder.add(result.record, result.timing)
+        folder.add(result.record, result.timing, result.traceback)
     folder.close()
     return Driven(folder.path, ids, tables["weaves"], *_driven_again(scenario, tables["weaves"]))
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from stored import record, store
+from stored import record, records, store
 
 from vpf_sim.evaluation.analysis.summary import summarize
 from vpf_sim.evaluation.gate import gate
@@ -24,7 +24,7 @@ def run(path: Path, change: Change, plan: Plan = PLAN, world: str = "as it is") 
     changes = {job: change(job) for job in plan.jobs()}
     rows = [record(job, **found) for job, found in changes.items() if found is not None]
     store(path, plan, rows, world)
-    (path / "summary.json").write_text(json.dumps(summarize(plan.jobs(), rows)))
+    (path / "summary.json").write_text(json.dumps(summarize(plan.jobs(), records(rows)).as_json()))
     return path
 
 

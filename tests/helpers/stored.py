@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics.records import failed
+from vpf_sim.evaluation.metrics.records import Record, read_record
+from vpf_sim.evaluation.metrics.scoring import failed
 from vpf_sim.evaluation.sweeps.plan import Plan
 
 GOOD = {
@@ -21,8 +22,13 @@ GOOD = {
 
 
 def record(job: Job, **changes: Any) -> dict[str, Any]:
-    """A good episode's record, with changes."""
-    return {**failed(job), **GOOD, **changes}
+    """The line of a good episode's record, with changes."""
+    return {**failed(job).as_json(), **GOOD, **changes}
+
+
+def records(rows: Iterable[Mapping[str, Any]]) -> list[Record]:
+    """The records of such lines."""
+    return [read_record(dict(row), "a line") for row in rows]
 
 
 def store(path: Path, plan: Plan, records: Iterable[Mapping[str, Any]], world: str = "as it is") -> Path:

@@ -18,8 +18,9 @@ from vpf_sim.envs.network import RoadLines
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.steps import Step, StepTable
+from vpf_sim.evaluation.sweeps.manifest import Manifest
 from vpf_sim.evaluation.sweeps.plan import Plan
-from vpf_sim.evaluation.sweeps.run_folder import RunFolder, manifest
+from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 from vpf_sim.reporting import episode_view, redraw, top_view
 from vpf_sim.reporting.redraw import Redrawing, redrawing
 from vpf_sim.reporting.signals import Strips, signals_of
@@ -44,7 +45,7 @@ def driven(tmp_path_factory: pytest.TempPathFactory, seen: list[DrivingPlan | No
     root = tmp_path_factory.mktemp("redraw")
     (root / "moving.toml").write_text(MOVING)
     plan = Plan((str(root / "moving.toml"),), (WEATHER,), ("vpf",), "3:4")
-    folder = RunFolder(root / "run", manifest("sweep", plan))
+    folder = RunFolder(root / "run", Manifest.of("sweep", plan))
     (job,) = plan.jobs()
     result = episode.run(*job, watch=lambda _, plan: seen.append(plan))
     steps.write(result.steps, folder.path / "steps" / f"{job.id}.parquet")
@@ -110,7 +111,7 @@ def test_an_episode_is_drawn_without_a_driver_that_is_gone(run: Path, name: str)
     stored = open_run(run)
     table = stored.steps(name)
     assert table is not None
-    drawn = Redrawing({**stored.record(name), "driver": "no_such_module:Mine"}, table, replan=True)
+    drawn = Redrawing(stored.record(name).model_copy(update={"driver": "no_such_module:Mine"}), table, replan=True)
     assert all(moment.plan is None for moment in drawn.moments())
     (remark,) = drawn.remarks
     assert remark.startswith("without the driver's view: driver 'no_such_module:Mine': cannot import")
@@ -156,17 +157,17 @@ def test_a_driver_that_fails_only_now_is_one_remark(
     assert table is not None
     create = redraw.drivers.create
     monkeypatch.setattr(redraw.drivers, "create", lambda name: driver() if name == "failing" else create(name))
-    drawn = Redrawing({**stored.record(name), "driver": "failing"}, table, replan=True)
+    drawn = Redrawing(stored.record(name).model_copy(update={"driver": "failing"}), table, replan=True)
     assert all(moment.plan is None for moment in drawn.moments())
     assert drawn.remarks == [remark]
 
 
 def test_a_failed_drivers_episode_is_drawn_to_its_end(monkeypatch: pytest.MonkeyPatch, driven: Path, name: str) -> None:
-    scenario = open_run(driven).record(name)["scenario"]
+    scenario = open_run(driven).record(name).scenario
     create = redraw.drivers.create
     monkeypatch.setattr(redraw.drivers, "create", lambda name: Crashing() if name == "crashing" else create(name))
     result = episode.run(scenario, "clear", "crashing", 3)
-    assert result.record["status"] == "error"
+    assert result.record.status == "error"
     drawn = Redrawing(result.record, result.steps, replan=True)
     assert [moment.index for moment in drawn.moments()] == list(range(6))
     assert drawn.remarks == [], "the frame on which it broke down was taken, too"
@@ -256,7 +257,7 @@ def test_top_view_has_the_road_ahead_up_and_right_to_the_right() -> None:
 
 def test_the_scene_equals_the_environments(driven: Path, name: str) -> None:
     record = open_run(driven).record(name)
-    with closing(FourLane(record["scenario"])) as world:
+    with closing(FourLane(record.scenario)) as world:
         world.reset(seed=3)
         scene = redraw.scene_of(world)
         centre, lines = world.road.network.centre, scene.lines

@@ -15,15 +15,18 @@ from short_scenario import SHORT
 
 from vpf_sim import cli
 from vpf_sim.evaluation import steps
-from vpf_sim.evaluation.analysis.benchmark import with_paper
+from vpf_sim.evaluation.analysis.rows import Row, read_summary
 from vpf_sim.evaluation.analysis.statistics import paired_shares, share_interval
 from vpf_sim.evaluation.analysis.summary import summarize
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.metrics import scoring
+from vpf_sim.evaluation.metrics.records import Record
+from vpf_sim.evaluation.sweeps.manifest import Manifest
 from vpf_sim.evaluation.sweeps.plan import Plan
-from vpf_sim.evaluation.sweeps.run_folder import RunFolder, manifest
+from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 from vpf_sim.reporting import answer, cells, clips, page
-from vpf_sim.reporting.cells import MAIN, Order, at
+from vpf_sim.reporting.cells import DRIVING, Order
 from vpf_sim.reporting.stored_run import open_run
 
 VOID = {"meta", "link", "br"}
@@ -80,12 +83,12 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (root / f"{name}.toml").write_text(text)
         scenarios.append(str(root / f"{name}.toml"))
     plan = Plan(tuple(scenarios), ("clear",), ("vpf", "pid"), "3:5")
-    folder = RunFolder(root / "run", manifest("sweep", plan))
+    folder = RunFolder(root / "run", Manifest.of("sweep", plan))
     for job in plan.jobs():
         result = episode.run(*job)
         steps.write(result.steps, folder.path / "steps" / f"{job.id}.parquet")
         folder.add(result.record, result.timing)
-    folder.write_json("summary.json", with_paper(summarize(plan.jobs(), folder.records())))
+    folder.write_json("summary.json", summarize(plan.jobs(), folder.records()).as_json())
     folder.close()
     return folder.path
 
@@ -170,12 +173,12 @@ def test_its_numbers_are_the_summarys(run: Path, written: Path) -> None:
     html = written.read_text()
     main = Reader(re.findall(r'<table class="main">.*?</table>', html, re.DOTALL)[0])
     expected = []
-    order = Order(*(tuple(open_run(run).manifest["plan"][key]) for key in ("scenario", "weather", "driver")))
-    for row in sorted(rows_of(run), key=order.place):
-        assert f"{row['successes']} of {row['episodes']}" in html
-        scored = row if row["successes"] else row["unsuccessful"]
-        for column in MAIN:
-            value = at(scored if column.of_failed else row, column.key)
+    order = Order(*(tuple(getattr(open_run(run).plan(), key)) for key in ("scenario", "weather", "driver")))
+    for row in order.sorted(open_run(run).summary().rows):
+        assert f"{row.successes} of {row.episodes}" in html
+        for column in DRIVING:
+            is_of_others = column.over == "successes" and not row.successes
+            value = row.unsuccessful.get(column.key) if is_of_others else row[column]
             if value is not None:
                 words = f"{100.0 * value if column.percent else value:.{column.digits}f}"
                 expected.append((value, words.replace("-", "−")))
@@ -186,7 +189,7 @@ def test_its_numbers_are_the_summarys(run: Path, written: Path) -> None:
 
 def test_failures_are_listed_marked_and_have_clips(run: Path, written: Path) -> None:
     html = written.read_text()
-    failed = [key for key, record in open_run(run).records.items() if record["status"] != "success"]
+    failed = [key for key, record in open_run(run).records.items() if not record.succeeded]
     assert 2 <= len(failed) < 8
     for name in failed:
         cell, _, seed = name.rpartition(".")
@@ -254,8 +257,8 @@ def test_files_that_are_no_run_are_one_line(tmp_path: Path, capsys: pytest.Captu
         assert error.count("\n") == 1
 
 
-def row(driver: str, scenario: str, successes: int, mse: float | None = None, **more: Any) -> dict[str, Any]:
-    return {
+def row(driver: str, scenario: str, successes: int, mse: float | None = None, **more: Any) -> Row:
+    stored = {
         "scenario": scenario,
         "weather": "clear",
         "driver": driver,
@@ -264,9 +267,11 @@ def row(driver: str, scenario: str, successes: int, mse: float | None = None, **
         "episodes": 5,
         "statuses": {"success": successes, "collision": 4 - successes} if successes < 4 else {"success": successes},
         "path_mse_m2": mse,
+        "success_rate": successes / 5,
         "unsuccessful": {"path_mse_m2": 9.0},
         **more,
     }
+    return read_summary({"rows": [stored]}, "a summary").rows[0]
 
 
 def test_the_answer_has_successes_with_intervals_and_the_papers_mse() -> None:
@@ -278,7 +283,7 @@ def test_the_answer_has_successes_with_intervals_and_the_papers_mse() -> None:
         row("vpf", "town04-clean", 5, 0.001),
     ]
     jobs = [Job("town04", "clear", driver, seed) for seed in range(10) for driver in ORDER.drivers]
-    records = {job.id: {"status": "success"} for job in jobs if job.driver == "vpf" or job.seed < 4}
+    records = {job.id: scoring.failed(job, "success") for job in jobs if job.driver == "vpf" or job.seed < 4}
     against = answer.of_two(jobs, records, ORDER)
     assert against == paired_shares(np.ones(10, bool), np.arange(10) < 4)
     success, same_seeds, third = answer.sentences(rows, ORDER, against, "benchmark")
@@ -316,17 +321,11 @@ def test_intervals_are_read_from_the_summary() -> None:
 
 
 def test_each_kind_of_failure_has_a_clip_before_any_has_two() -> None:
-    def failed(driver: str, status: str, seed: int, scenario: str = "town04") -> dict[str, Any]:
+    def failed(driver: str, status: str, seed: int, scenario: str = "town04") -> Record:
         name = f"{scenario}.{driver}.{seed}"
-        return {
-            "id": name,
-            "driver": driver,
-            "status": status,
-            "seed": seed,
-            "steps": 9,
-            "scenario": scenario,
-            "weather": "rain",
-        }
+        return Record(
+            id=name, driver=driver, status=status, seed=seed, steps=9, scenario=scenario, weather="rain", scores={}
+        )
 
     found = [
         failed("pid", "collision", 1),
@@ -334,15 +333,15 @@ def test_each_kind_of_failure_has_a_clip_before_any_has_two() -> None:
         failed("pid", "collision", 1, "slalom"),
         failed("vpf", "collision", 7),
         failed("vpf", "off_road", 9),
-        {**failed("vpf", "error", 3), "steps": 0},
+        failed("vpf", "error", 3).model_copy(update={"steps": 0}),
         failed("vpf", "success", 4),
     ]
-    chosen = [record["id"] for record in clips.choose(found, ["vpf", "pid"], 4)]
+    chosen = [record.id for record in clips.choose(found, ["vpf", "pid"], 4)]
     assert chosen == ["town04.vpf.7", "town04.vpf.9", "slalom.pid.1", "town04.pid.1"]
     assert len(clips.choose(found, ["vpf", "pid"], 9)) == 5
     assert clips.choose(found, ["vpf", "pid"], 0) == []
     good = [failed("pid", "success", 2), failed("vpf", "success", 4), failed("vpf", "success", 3)]
-    assert [record["id"] for record in clips.choose(good, ["vpf", "pid"], 4)] == ["town04.vpf.3"], "one if all succeed"
+    assert [record.id for record in clips.choose(good, ["vpf", "pid"], 4)] == ["town04.vpf.3"], "one if all succeed"
 
 
 @pytest.mark.skipif(chromium.program() is None, reason="no chromium on this machine")

@@ -4,7 +4,10 @@ from typing import Any
 
 import pytest
 
+from vpf_sim.evaluation.analysis.rows import Cell, Comparison, Row, read_summary
+from vpf_sim.evaluation.analysis.statistics import Difference, Interval
 from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.reporting import accuracy, failures, success_map, tables
 from vpf_sim.reporting.cells import Order
 
@@ -15,7 +18,7 @@ def shares(first: float) -> dict[str, float]:
     return {"range": first, "span": first - 0.1, "tolerance": first - 0.2, "mae": 0.1}
 
 
-def row(driver: str = "vpf", weather: str = "clear", successes: int = 2, **more: Any) -> dict[str, Any]:
+def row(driver: str = "vpf", weather: str = "clear", successes: int = 2, **more: Any) -> Row:
     """A summary's row of an episode pair; where none succeeded its scores are those of the others."""
     signals = {"throttle": shares(0.9), "steering": shares(0.8)}
     parts = {"clear_of_obstacles": signals, "passing": {"throttle": shares(0.7), "steering": shares(0.6)}}
@@ -25,7 +28,8 @@ def row(driver: str = "vpf", weather: str = "clear", successes: int = 2, **more:
         "perception": {"foe_median_error_px": {"distance": 1.5}, "foe_share": 1.0, "objects": {"recall": 0.75}},
     }
     cell = {"scenario": "town04", "weather": weather, "driver": driver, "successes": successes, "episodes": 2}
-    return {**cell, **(scores if successes else {"unsuccessful": scores}), **more}
+    stored = {**cell, "statuses": {}, **(scores if successes else {"unsuccessful": scores}), **more}
+    return read_summary({"rows": [stored]}, "a summary").rows[0]
 
 
 def words(table: tables.Table | None) -> list[list[str]]:
@@ -78,23 +82,25 @@ def test_the_needed_seeds_are_listed() -> None:
     [(0.0, "0.000"), (-0.53, "−0.530"), (0.00012, "+0.0001"), (-4e-6, "−0.000004"), (1e-12, "0.000")],
 )
 def test_a_small_difference_is_not_rounded_to_zero(difference: float, shown: str) -> None:
-    score = {"difference": difference, "interval": [difference, difference], "p": 0.5, "pairs": 3}
-    one = {"of": "weather", "scenario": "town04", "weather": "rain", "minus": "clear", "driver": "vpf"}
-    (line,) = words(tables.comparisons([{**one, "path_mse_m2": score}], "weather", ORDER))
+    score = Difference(difference, Interval(difference, difference), 0.5, 3)
+    one = Comparison("weather", Cell("town04", "rain", "vpf"), "clear", {"path_mse_m2": score})
+    (line,) = words(tables.comparisons([one], "weather", ORDER))
     assert line[4] == shown
 
 
-def failed(seed: int, status: str = "collision", driver: str = "vpf", way: float = 0.5, **more: Any) -> dict[str, Any]:
-    name = f"town04.clear.{driver}.{seed}"
-    cell = {"scenario": "town04", "weather": "clear", "driver": driver, "seed": seed}
-    return {"id": name, **cell, "status": status, "collided_with": None, "route_completion": way, **more}
+def failed(
+    seed: int, status: str = "collision", driver: str = "vpf", way: float = 0.5, hit: str | None = None
+) -> Record:
+    job = Job("town04", "clear", driver, seed)
+    scores = {"route_completion": way}
+    return Record(id=job.id, **job._asdict(), status=status, steps=9, collided_with=hit, scores=scores)
 
 
 def test_equal_failures_are_grouped() -> None:
     records = [
-        failed(1, collided_with="car", way=0.25),
-        failed(2, collided_with="cone"),
-        failed(3, collided_with="car"),
+        failed(1, hit="car", way=0.25),
+        failed(2, hit="cone"),
+        failed(3, hit="car"),
         failed(4, "error"),
         failed(5, "error"),
         failed(1, driver="pid"),

@@ -13,11 +13,11 @@ from vpf_sim.drivers import DriverLike
 from vpf_sim.errors import InputError, option, shown
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.processes.threads import one_thread
-from vpf_sim.evaluation.steps import StepTable
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from vpf_sim.evaluation.sweeps.manifest import Manifest
     from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 
 
@@ -30,29 +30,37 @@ class Episode:
     >>> episode.steps.plot(x="x_m", y="y_m")
     """
 
-    record: dict[str, Any]  #: scores, as in episodes.jsonl of a run folder
-    table: StepTable
-    timing: dict[str, Any]  #: `wall_s`, `steps_per_s`, `stages_ms`
+    result: episode.EpisodeResult
     path: Path | None = None  #: the run folder, if it is stored
 
     def __repr__(self) -> str:
         last = f", {self.error.strip().splitlines()[-1]}" if self.error else ""
-        return f"<Episode {self.record['id']}: {self.status}{last}>"
+        return f"<Episode {self.result.record.id}: {self.status}{last}>"
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """Scores, as in episodes.jsonl of a run folder."""
+        return self.result.record.as_json()
+
+    @property
+    def timing(self) -> dict[str, Any]:
+        """`wall_s`, `steps_per_s`, `stages_ms`."""
+        return self.result.timing.as_json()
 
     @property
     def status(self) -> str:
         """How it ended, such as "success", "collision" or "error"."""
-        return str(self.record["status"])
+        return self.result.record.status
 
     @property
     def error(self) -> str:
         """The traceback of an exception, of the driver's for example; empty without one."""
-        return str(self.timing.get("traceback", ""))
+        return self.result.traceback or ""
 
     @property
     def steps(self) -> "pd.DataFrame":
         """A row a frame: state, commands, clearance, perception; NaN where there is no value."""
-        return self.table.data_frame()
+        return self.result.steps.data_frame()
 
 
 def drive(
@@ -109,7 +117,7 @@ def driven(
             with _stored(asked, out) as folder:
                 result, path = episode.run(*names, driver, seed, attached.show), folder.path
                 _store(folder, result)
-        yield Episode(result.record, result.steps, result.timing, path)
+        yield Episode(result, path)
         attached.finish(result.steps)
 
 
@@ -129,15 +137,15 @@ def _checked_name(driver: DriverLike) -> str:
     return name
 
 
-def _manifest(scenario: str, weather: str, driver: str, seed: int) -> dict[str, Any]:
-    from vpf_sim.evaluation.sweeps import run_folder
+def _manifest(scenario: str, weather: str, driver: str, seed: int) -> "Manifest":
+    from vpf_sim.evaluation.sweeps.manifest import Manifest
     from vpf_sim.evaluation.sweeps.plan import Plan
 
-    return run_folder.manifest("drive", Plan((scenario,), (weather,), (driver,), f"{seed}:{seed + 1}"))
+    return Manifest.of("drive", Plan((scenario,), (weather,), (driver,), f"{seed}:{seed + 1}"))
 
 
 @contextmanager
-def _stored(asked: dict[str, Any], out: StrPath | bool) -> "Iterator[RunFolder]":
+def _stored(asked: "Manifest", out: StrPath | bool) -> "Iterator[RunFolder]":
     """The run folder; without a complete episode, as after Ctrl-C or on a full disk, nothing is left of it."""
     from vpf_sim.evaluation.sweeps import run_folder
 
@@ -155,5 +163,5 @@ def _stored(asked: dict[str, Any], out: StrPath | bool) -> "Iterator[RunFolder]"
 def _store(folder: "RunFolder", result: episode.EpisodeResult) -> None:
     from vpf_sim.evaluation import steps
 
-    steps.write(result.steps, folder.path / "steps" / f"{result.record['id']}.parquet")
-    folder.add(result.record, result.timing)
+    steps.write(result.steps, folder.path / "steps" / f"{result.record.id}.parquet")
+    folder.add(result.record, result.timing, result.traceback)

@@ -4,7 +4,7 @@ import sys
 from collections.abc import Iterable
 from contextlib import AbstractContextManager, closing, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from vpf_sim.api.execution import Execution, of_this_process
 from vpf_sim.api.progress import Notify, progress, say
@@ -14,6 +14,8 @@ from vpf_sim.evaluation.sweeps.plan import Plan
 
 if TYPE_CHECKING:
     from vpf_sim.evaluation.job import Job
+    from vpf_sim.evaluation.metrics.records import Record
+    from vpf_sim.evaluation.outcome import InvalidFrame
     from vpf_sim.evaluation.sweeps.run_folder import RunFolder
     from vpf_sim.evaluation.sweeps.sweep import Results
 
@@ -24,10 +26,11 @@ def fill(command: str, plan: Plan, how: Execution, show: bool = True) -> Path:
     `show` prints progress on stderr.
     """
     from vpf_sim.evaluation.sweeps import cluster, run_folder, sweep
+    from vpf_sim.evaluation.sweeps.manifest import Manifest
 
     how.check(plan)
     limit_s = sweep.limits(how.timeout)
-    asked, bound = run_folder.manifest(command, plan), of_this_process(plan)
+    asked, bound = Manifest.of(command, plan), of_this_process(plan)
     is_theirs = how.out is not None and how.out.exists()
     with cluster.connected(how.cluster, asked, how.mixed) as client, one_thread():
         folder = run_folder.RunFolder(how.out or run_folder.new_path(command), asked, how.resume, how.mixed)
@@ -63,11 +66,10 @@ def _display(total: int, folder: "RunFolder", show: bool) -> AbstractContextMana
 
 
 def _summarize(folder: "RunFolder", jobs: "list[Job]") -> None:
-    from vpf_sim.evaluation.analysis.benchmark import with_paper
     from vpf_sim.evaluation.analysis.summary import summarize
 
     records = folder.records()
-    folder.write_json("summary.json", with_paper(summarize(jobs, records, folder.asked)))
+    folder.write_json("summary.json", summarize(jobs, records, folder.asked.privileged).as_json())
     warn(records)
 
 
@@ -80,18 +82,17 @@ WORDS = {
 }
 
 
-def warn(records: Iterable[dict[str, Any]]) -> None:
+def warn(records: Iterable["Record"]) -> None:
     """Print a warning on stderr for each record that ended by an invalid frame."""
-    ended = [record for record in records if record["status"] == "invalid_frame"]
-    for record in ended[:MOST]:
-        print(f"vpf-sim: WARNING: {record['id']}: {sentence(record)}", file=sys.stderr)
+    ended = [(record.id, invalid) for record in records if (invalid := record.invalid_frame) is not None]
+    for episode, invalid in ended[:MOST]:
+        print(f"vpf-sim: WARNING: {episode}: {sentence(invalid)}", file=sys.stderr)
     if len(ended) > MOST:
         print(f"vpf-sim: WARNING: and {len(ended) - MOST} more episodes with an invalid frame", file=sys.stderr)
     if ended:
         print("vpf-sim: WARNING: the camera is broken; the scores of these episodes are invalid", file=sys.stderr)
 
 
-def sentence(record: dict[str, Any]) -> str:
-    """The number, time and fault of a record's invalid frame."""
-    invalid = record["invalid_frame"]
-    return f"invalid frame {invalid['frame']}, at {invalid['time_s']:.3f} s: {WORDS[invalid['fault']]}"
+def sentence(invalid: "InvalidFrame") -> str:
+    """The number, time and fault of an invalid frame."""
+    return f"invalid frame {invalid.frame}, at {invalid.time_s:.3f} s: {WORDS[invalid.fault]}"

@@ -5,12 +5,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from vpf_sim.evaluation.metrics.records import Record
 
 if TYPE_CHECKING:
     from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 
-Record = dict[str, Any]
 Notify = Callable[[Record], None]
 FAULTS = ("error", "invalid_frame")
 
@@ -28,8 +29,8 @@ class Tally:
 
     def count(self, record: Record) -> None:
         self.done, self.driven = self.done + 1, self.driven + 1
-        self.reached += record["status"] == "success"
-        self.failed += record["status"] in FAULTS
+        self.reached += record.succeeded
+        self.failed += record.status in FAULTS
 
     def text(self) -> str:
         """For example "3 of 4 reached the goal, 312 an hour, 0:04:10 left"."""
@@ -57,8 +58,8 @@ def progress(total: int, folder: "RunFolder") -> Iterator[Notify]:
         def notify(record: Record) -> None:
             tally.count(record)
             show(record)
-            if record["status"] == "error":
-                say(f"{record['id']}: error, see {folder.error_file(record['id'])}")
+            if record.status == "error":
+                say(f"{record.id}: error, see {folder.error_file(record.id)}")
 
         yield notify
 
@@ -69,7 +70,7 @@ Display = tuple[Notify, Callable[[str], None]]
 @contextmanager
 def _lines(tally: Tally) -> Iterator[Display]:
     def show(record: Record) -> None:
-        say(f"{tally.done}/{tally.total} {record['id']} {record['status']} ({tally.text()})")
+        say(f"{tally.done}/{tally.total} {record.id} {record.status} ({tally.text()})")
 
     yield show, say
 
@@ -84,7 +85,7 @@ def _bar(tally: Tally) -> Iterator[Display]:
         task = bar.add_task(tally.text(), total=tally.total, completed=tally.done)
 
         def show(record: Record) -> None:
-            bar.update(task, completed=tally.done, description=f"{tally.text()}, last {record['id']}")
+            bar.update(task, completed=tally.done, description=f"{tally.text()}, last {record.id}")
 
         yield show, lambda line: bar.console.print(line, markup=False, highlight=False, soft_wrap=True)
 

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from vpf_sim.api.paths import StrPath, text
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.sweeps.run_folder import located, stored_plan
+from vpf_sim.evaluation.scores import Json
+from vpf_sim.evaluation.sweeps.run_folder import located
 from vpf_sim.reporting.stored_run import open_run
 
 if TYPE_CHECKING:
@@ -37,22 +38,22 @@ class Run:
     @property
     def records(self) -> "pd.DataFrame":
         """A row an episode, sorted by id: names, seed, status and scores."""
-        return _frame(self._stored.records.values())
+        return _frame(record.as_json() for record in self._stored.records.values())
 
     @property
     def timing(self) -> "pd.DataFrame":
         """A row an episode: measured times."""
-        return _frame(self._stored.timing.values())
+        return _frame(timing.as_json() for timing in self._stored.timing.values())
 
     @property
     def table(self) -> "pd.DataFrame":
         """A row for each scenario, weather and driver: shares, means and 95 % intervals."""
-        return _frame(self.summary()["rows"])
+        return _frame(row.as_json() for row in self._stored.summary().rows)
 
     @property
     def comparisons(self) -> "pd.DataFrame":
         """A row for each difference between two drivers or weathers on the same seeds."""
-        return _frame(self.summary()["comparisons"])
+        return _frame(one.as_json() for one in self._stored.summary().comparisons)
 
     def steps(self, episode: str) -> "pd.DataFrame":
         """A row a frame of the episode with this id; InputError where it has no steps."""
@@ -66,10 +67,10 @@ class Run:
 
     def summary(self) -> dict[str, Any]:
         """The rows and comparisons, as in summary.json of the folder."""
-        return self._stored.summary(stored_plan(self.path).jobs())
+        return self._stored.summary().as_json()
 
 
-def _frame(rows: Iterable[dict[str, Any]]) -> "pd.DataFrame":
+def _frame(rows: Iterable[Json]) -> "pd.DataFrame":
     """A data frame with the names first."""
     import pandas as pd
 

@@ -4,7 +4,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import redirect_stdout
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -17,11 +17,12 @@ from vpf_sim.cli.options import (
     print_json,
     prints_on_stderr,
 )
-from vpf_sim.cli.tables import measure
+from vpf_sim.cli.tables import measured
 from vpf_sim.tracebacks import cause
 
 if TYPE_CHECKING:
     from vpf_sim.api.drive import Episode
+    from vpf_sim.evaluation.metrics.records import Record
 
 SeedOption = Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the scenario's random parts.")]
 VideoOption = Annotated[
@@ -63,56 +64,55 @@ def drive(
         ) as episode,
         redirect_stdout(answer),
     ):
-        filling.warn([episode.record])
+        filling.warn([episode.result.record])
         _answer(episode, json)
     raise typer.Exit(0 if episode.status == "success" else 1)
 
 
 def _answer(episode: "Episode", as_json: bool) -> None:
-    record, timing, folder = episode.record, episode.timing, episode.path
+    from vpf_sim.evaluation.metrics.registry import CLEARANCE, COMPLETION
+
+    record, timing, folder = episode.result.record, episode.result.timing, episode.path
     if episode.error and folder is not None:
         print(f"vpf-sim: {cause(episode.error)}", file=sys.stderr)
-        print(f"vpf-sim: the traceback is in {folder / 'errors' / (record['id'] + '.txt')}", file=sys.stderr)
+        print(f"vpf-sim: the traceback is in {folder / 'errors' / (record.id + '.txt')}", file=sys.stderr)
     if as_json:
-        print_json({**record, "timing": {key: timing[key] for key in ("wall_s", "steps_per_s")}})
+        print_json({**record.as_json(), "timing": {"wall_s": timing.wall_s, "steps_per_s": timing.steps_per_s}})
         return
-    print(f"{record['id']}: {record['status']}")
-    if record["collided_with"]:
-        print(f"  collided with    {record['collided_with']}, {_fault(record)}")
-    print(f"  route driven     {_share(record['route_completion'])}")
-    print(f"  least clearance  {measure(record['min_clearance_m'], 'm')}")
+    print(f"{record.id}: {record.status}")
+    if record.collided_with:
+        print(f"  collided with    {record.collided_with}, {_fault(record)}")
+    print(f"  route driven     {measured(COMPLETION, record)}")
+    print(f"  least clearance  {measured(CLEARANCE, record)}")
     for line in _quality(record):
         print(f"  {line}")
-    print(f"  {record['steps']} steps, {timing['steps_per_s']:.0f} a second")
+    print(f"  {record.steps} steps, {timing.steps_per_s:.0f} a second")
     print(f"  record and steps {folder}")
 
 
-def _fault(record: dict[str, Any]) -> str:
+def _fault(record: "Record") -> str:
     """Whose fault a collision was, and why."""
-    kind = record["collision_type"]
-    lane = "out of its lane" if record["at_fault_collisions"] else "in its lane"
+    from vpf_sim.evaluation.metrics.registry import AT_FAULT
+
+    kind, is_at_fault = str(record.collision_type), bool(record[AT_FAULT])
     why = {
         "stopped_ego": "it hit the ego, which stood",
         "stopped_track": "it stood",
         "active_rear": "it came from behind",
         "active_front": "the ego's front hit it",
-        "active_lateral": f"the sides touched, the ego {lane}",
+        "active_lateral": f"the sides touched, the ego {'out of' if is_at_fault else 'in'} its lane",
     }[kind]
-    return f"the fault is {'the ego' if record['at_fault_collisions'] else 'the other'}'s: {why} ({kind})"
+    return f"the fault is {'the ego' if is_at_fault else 'the other'}'s: {why} ({kind})"
 
 
-def _quality(record: dict[str, Any]) -> Iterator[str]:
+def _quality(record: "Record") -> Iterator[str]:
     """Path and commands of a drive that arrived: those of a short one look better than they are."""
-    if record["status"] != "success":
+    from vpf_sim.evaluation.metrics.registry import PATH_MSE, STEERING, THROTTLE
+
+    if not record.succeeded:
         yield "path, commands   not rated: it did not arrive"
         return
-    yield f"path MSE         {measure(record['path_mse_m2'], 'm2', 3)}"
-    if record["driver"] != "pid":
-        shadow = (record["accuracy"] or {}).get("shadow") or {}
-        shares = (f"{name} {_share((shadow.get(name) or {}).get('range'))}" for name in ("throttle", "steering"))
-        yield f"like the PID     {', '.join(shares)} (100 % less half the mean difference, in the same states)"
-
-
-def _share(share: float | None) -> str:
-    """A share as a percentage."""
-    return measure(None if share is None else 100.0 * share, "%", 1)
+    yield f"path MSE         {measured(PATH_MSE, record)}"
+    if record.driver != "pid":
+        shares = f"throttle {measured(THROTTLE, record)}, steering {measured(STEERING, record)}"
+        yield f"like the PID     {shares} (100 % less half the mean difference, in the same states)"

@@ -67,12 +67,13 @@ def _fixed_set(workers: int | None) -> Path:
     from vpf_sim.api.progress import say
     from vpf_sim.cli.run_options import fill
     from vpf_sim.evaluation.perception import poses
-    from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, read_records
+    from vpf_sim.evaluation.sweeps.manifest import MANIFEST
+    from vpf_sim.evaluation.sweeps.run_folder import read_records
 
     plan = poses.fixed_set()
     folder = poses.folder_of(plan)
     begun = (folder / MANIFEST).exists()
-    if begun and {record["id"] for record in read_records(folder)} >= {job.id for job in plan.jobs()}:
+    if begun and {record.id for record in read_records(folder)} >= {job.id for job in plan.jobs()}:
         return folder
     say(f"driving the {len(plan.jobs())} drives of the fixed set once: {folder}")
     return fill("sweep", plan, Execution(workers, out=folder, resume=begun, mixed=begun))
@@ -98,7 +99,7 @@ class _Progress:
         from vpf_sim.api.progress import say
 
         self._done += 1
-        say(f"{self._done}/{self._total} {drive.record['id']}")
+        say(f"{self._done}/{self._total} {drive.record.id}")
 
 
 def _print_remarks(records: list[dict[str, Any]]) -> None:

@@ -17,7 +17,7 @@ def reproduce(run: RunOptions, driver: DriverOption = "vpf-paper") -> None:
     Its four conditions are driven; table, claims and figures are compared with the paper's.
     """
     from vpf_sim.cli.options import prints_on_stderr
-    from vpf_sim.cli.results import exit_code, read_summary
+    from vpf_sim.cli.results import exit_code, stored_summary
     from vpf_sim.cli.run_options import fill, plan_of
     from vpf_sim.evaluation.analysis import reproduction
     from vpf_sim.reporting import paper_page
@@ -36,7 +36,7 @@ def reproduce(run: RunOptions, driver: DriverOption = "vpf-paper") -> None:
         print(f"{tested} on the paper's road, seeds {plan.seeds}:\n")
         _print(found)
         print(f"\ntable, claims and figures: {page}")
-    raise typer.Exit(exit_code(read_summary(path)))
+    raise typer.Exit(exit_code(stored_summary(path)))
 
 
 def _print(found: dict[str, Any]) -> None:

@@ -70,7 +70,7 @@ def with_run_options(command: Callable[..., None]) -> Callable[..., None]:
 def plan_of(run: RunOptions, asked: bool, make: "Callable[[], Plan]") -> "Plan":
     """The plan that `make` returns, or the stored one where a run is resumed and nothing else was asked."""
     from vpf_sim.evaluation.run_inputs import RunInputs
-    from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, read_manifest, stored_plan
+    from vpf_sim.evaluation.sweeps.manifest import MANIFEST, read_manifest, stored_plan
     from vpf_sim.evaluation.sweeps.seeds import parse_seeds
 
     if run.seeds is not None:
@@ -79,7 +79,7 @@ def plan_of(run: RunOptions, asked: bool, make: "Callable[[], Plan]") -> "Plan":
         return make()
     if not (run.out / MANIFEST).exists():
         raise InputError(f"{run.out}: --resume: expected the {MANIFEST} of a run, found none; name what to drive")
-    RunInputs.of(run.out, read_manifest(run.out)).check_here("--resume")
+    RunInputs.of(run.out, read_manifest(run.out).made_in).check_here("--resume")
     return stored_plan(run.out)
 
 

@@ -21,7 +21,7 @@ def score(run: RunArgument, json: JsonOption = False) -> None:
         done = rescore(run)
     if json:
         changed = [{"id": name, "keys": keys} for name, keys in sorted(done.changed.items())]
-        print_json({"out": str(run), "scored": len(done.records), "changed": changed, **done.summary})
+        print_json({"out": str(run), "scored": len(done.records), "changed": changed, **done.summary.as_json()})
     else:
         _print(done)
 
@@ -31,10 +31,10 @@ def _print(done: "Rescored") -> None:
     from vpf_sim.cli.results import print_comparisons, print_rows
 
     if done.command == "benchmark":
-        print_benchmark(done.summary["rows"], done.seeds)
+        print_benchmark(done.summary.rows, done.seeds)
     else:
-        print_rows(done.summary["rows"])
-        print_comparisons(done.summary["comparisons"])
+        print_rows(done.summary.rows)
+        print_comparisons(done.summary.comparisons)
     print(f"\n{len(done.records)} of {done.planned} planned episodes rescored, {len(done.changed)} changed")
     for name, keys in sorted(done.changed.items())[:MOST]:
         print(f"  {name}: {', '.join(keys)}")

@@ -37,7 +37,7 @@ def sweep(
 
     With --resume alone, the grid is the one stored in the folder.
     """
-    from vpf_sim.cli.results import exit_code, print_comparisons, print_rows, read_summary
+    from vpf_sim.cli.results import exit_code, print_comparisons, print_rows, stored_summary
     from vpf_sim.evaluation.sweeps.plan import Plan, make_plan, read_plan
 
     given = {"scenario": scenario, "weather": weather, "driver": driver, "seeds": run.seeds}
@@ -53,12 +53,12 @@ def sweep(
         print_plan(plan, run)
         return
     path = fill("sweep", plan, run)
-    summary = read_summary(path)
+    summary = stored_summary(path)
     if run.json:
-        print_json({"out": str(path), **summary})
+        print_json({"out": str(path), **summary.as_json()})
     else:
-        print_rows(summary["rows"])
-        print_comparisons(summary["comparisons"])
+        print_rows(summary.rows)
+        print_comparisons(summary.comparisons)
         print(f"\nrecords and steps: {path}")
         print(f"as a page: {command('report', path)}")
     raise typer.Exit(exit_code(summary))
@@ -66,16 +66,17 @@ def sweep(
 
 def print_plan(plan: "Plan", run: RunOptions) -> None:
     """Check a plan as a sweep would, and print its cells and episodes without driving or writing."""
-    from vpf_sim.evaluation.sweeps.run_folder import admitted, manifest, read_records
+    from vpf_sim.evaluation.sweeps.manifest import Manifest
+    from vpf_sim.evaluation.sweeps.run_folder import admitted, read_records
     from vpf_sim.evaluation.sweeps.seeds import seeds_text
 
     run.check(plan)
     with prints_on_stderr():
-        asked = manifest("sweep", plan)
+        asked = Manifest.of("sweep", plan)
     done: set[str] = set()
     if run.out is not None:
         admitted(run.out, asked, run.resume, run.mixed)
-        done = {record["id"] for record in read_records(run.out)} if run.resume else set()
+        done = {record.id for record in read_records(run.out)} if run.resume else set()
     cells: dict[tuple[str, str, str], list[int]] = {}
     for job in plan.jobs():
         if job.id not in done:

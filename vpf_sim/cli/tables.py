@@ -1,6 +1,11 @@
 """Plain-text tables."""
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from vpf_sim.evaluation.metrics.metric import Metric
+    from vpf_sim.evaluation.metrics.records import Record
 
 
 def print_table(header: Sequence[str], rows: Sequence[Sequence[str]], words: int = 1, prose: bool = False) -> None:
@@ -29,6 +34,25 @@ def number(value: float | None, digits: int = 2) -> str:
 def measure(value: float | None, unit: str, digits: int = 2) -> str:
     """A number with its unit, or a dash for None."""
     return number(value, digits) if value is None else f"{number(value, digits)} {unit}"
+
+
+def measured(metric: "Metric", record: "Record") -> str:
+    """The value of a metric with its unit, or a dash where there is none."""
+    value = record[metric]
+    scaled = 100.0 * value if value is not None and metric.percent else value
+    return measure(scaled, plain_unit(metric), metric.digits)
+
+
+def plain_unit(metric: "Metric") -> str:
+    """The unit in plain letters: "m2"."""
+    return metric.unit.replace("²", "2")
+
+
+def shown(metric: "Metric", value: float | None, interval: Sequence[float] | None = None) -> str:
+    """A value of a metric with its interval, without the unit."""
+    if metric.percent:
+        return percent_within(value, interval)
+    return within(value, interval, metric.digits)
 
 
 def percent(share: float | None) -> str:

@@ -33,7 +33,7 @@ def make(
     remarks: Sequence[str],
 ) -> str:
     """The sheet as Markdown, after the format's own head."""
-    made = run.manifest["fingerprint"]
+    made = run.manifest.fingerprint
     environment = Environment(
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -53,12 +53,12 @@ def make(
         episodes=episodes,
         frames=sum(one.length for one in episodes),
         rate_hz=episodes[0].rate_hz,
-        drivers=", ".join(dict.fromkeys(f"`{one.record['driver']}`" for one in episodes)),
+        drivers=", ".join(dict.fromkeys(f"`{one.record.driver}`" for one in episodes)),
         tasks=dict.fromkeys(one.task for one in episodes),
         cells=_cells(episodes),
         left_out=[*left_out.items()],
         verified=sum(one.is_verified for one in episodes),
-        without_hash=sum(one.record["frames_sha256"] is None for one in episodes),
+        without_hash=sum(one.record.frames_sha256 is None for one in episodes),
         remarks=remarks,
         most=MOST_LISTED,
     )
@@ -68,12 +68,12 @@ def _cells(episodes: Sequence[Written]) -> Iterator[list[str]]:
     """A row for each scenario, weather and driver."""
     cells: dict[tuple[str, ...], list[Written]] = defaultdict(list)
     for one in episodes:
-        cells[tuple(one.record[key] for key in ("scenario", "weather", "driver"))].append(one)
+        cells[one.record.cell].append(one)
     for (scenario, weather, driver), some in cells.items():
-        endings = Counter(str(one.record["status"]) for one in some)
+        endings = Counter(one.record.status for one in some)
         ended = ", ".join(f"{count} {name}" for name, count in endings.most_common())
         frames = sum(one.length for one in some)
-        row = (shown(scenario), shown(weather), driver, spans(one.record["seed"] for one in some))
+        row = (shown(scenario), shown(weather), driver, spans(one.record.seed for one in some))
         yield [str(value).replace("|", "\\|") for value in (*row, len(some), frames, ended)]
 
 

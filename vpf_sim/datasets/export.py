@@ -12,10 +12,11 @@ from vpf_sim.datasets.contents import Contents
 from vpf_sim.datasets.episode import Episode, task_of
 from vpf_sim.datasets.formats import Format, Place, Written
 from vpf_sim.errors import InputError, option, unknown_name
+from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.processes import pool
 from vpf_sim.files import new_folder, write_text
 from vpf_sim.reporting.run_data import RunData
-from vpf_sim.reporting.stored_run import Record, StoredRun
+from vpf_sim.reporting.stored_run import StoredRun
 
 Task = tuple[Place, Record]
 
@@ -52,9 +53,9 @@ def export(
         with closing(pool.run(work, tasks, workers)) as results:
             for done in results:
                 if done.result is None:
-                    raise InputError(f"{done.task[1]['id']}: {done.reason.splitlines()[0]}")
+                    raise InputError(f"{done.task[1].id}: {done.reason.splitlines()[0]}")
                 written.append(done.result)
-                notify(f"{len(written)}/{len(tasks)} {done.task[1]['id']}")
+                notify(f"{len(written)}/{len(tasks)} {done.task[1].id}")
         written.sort(key=lambda one: one.place)
         _check_rate(written)
         form.finish(folder, out.name, written, contents)
@@ -68,17 +69,17 @@ def export(
 def choose(data: RunData, statuses: Sequence[str]) -> tuple[list[Record], dict[str, str]]:
     """The driven episodes in the order of the plan, and why the others are left out, by id."""
     records = [data.records[job.id] for job in data.jobs if job.id in data.records]
-    ended = {record["status"] for record in records}
+    ended = {record.status for record in records}
     for status in statuses:
         if status not in ended:
             raise unknown_name(f"status of the episodes of {data.run.path}", status, ended)
     left_out = {}
     for record in records:
-        if not record["steps"]:
-            left_out[record["id"]] = f"never began ({record['status']})"
-        elif statuses and record["status"] not in statuses:
-            left_out[record["id"]] = f"ended in {record['status']}"
-    chosen = [record for record in records if record["id"] not in left_out]
+        if not record.steps:
+            left_out[record.id] = f"never began ({record.status})"
+        elif statuses and record.status not in statuses:
+            left_out[record.id] = f"ended in {record.status}"
+    chosen = [record for record in records if record.id not in left_out]
     if not chosen:
         raise InputError(f"{data.run.path}: expected at least one driven episode to export, got none")
     return chosen, left_out
@@ -87,13 +88,13 @@ def choose(data: RunData, statuses: Sequence[str]) -> tuple[list[Record], dict[s
 def write_episode(folder: Path, run: StoredRun, form: Format, contents: Contents, task: Task) -> Written:
     """Store one episode, in a worker process."""
     place, record = task
-    table = run.steps(record["id"])
-    if table is None or len(table) != record["steps"]:
-        got = f"got {len(table)}" if table is not None else f"but it {run.why_no_steps(record['id'])}"
-        raise InputError(f"{record['id']}: expected the {record['steps']} steps of its record, {got}")
+    table = run.steps(record.id)
+    if table is None or len(table) != record.steps:
+        got = f"got {len(table)}" if table is not None else f"but it {run.why_no_steps(record.id)}"
+        raise InputError(f"{record.id}: expected the {record.steps} steps of its record, {got}")
     episode = Episode(record, table, contents, run.inputs)
     details = form.write(folder, place, episode)
-    remarks = tuple(f"{record['id']}: {remark}" for remark in episode.remarks)
+    remarks = tuple(f"{record.id}: {remark}" for remark in episode.remarks)
     return Written(place, record, len(episode), episode.rate_hz, task_of(record), remarks, episode.is_verified, details)
 
 
@@ -105,7 +106,7 @@ def _placed(records: Sequence[Record]) -> list[Task]:
     for index, record in enumerate(records):
         task_index = indices.setdefault(task_of(record), len(indices))
         tasks.append((Place(index, first, task_index), record))
-        first += record["steps"]
+        first += record.steps
     return tasks
 
 

@@ -1,6 +1,6 @@
 """What a format of data sets is: it stores episodes one by one, in worker processes, and then describes the set."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, Protocol
 from vpf_sim.datasets.contents import Contents
 from vpf_sim.datasets.episode import Episode
 from vpf_sim.errors import InputError
+from vpf_sim.evaluation.metrics.records import Record
 
 INSTALL = "pip install 'vpf_sim[export]'"
 
@@ -25,7 +26,7 @@ class Written:
     """An episode of a set, as its worker reports it."""
 
     place: Place
-    record: Mapping[str, Any]
+    record: Record
     length: int  # steps
     rate_hz: float
     task: str

@@ -156,7 +156,7 @@ def _episode_row(one: Written) -> dict[str, Any]:
         **where,
         f"videos/{CAMERA}/from_timestamp": 0.0,
         f"videos/{CAMERA}/to_timestamp": one.length / one.rate_hz,
-        **{key: one.record[key] for key in ("id", "scenario", "weather", "driver", "seed", "status")},
+        **{key: getattr(one.record, key) for key in ("id", "scenario", "weather", "driver", "seed", "status")},
         **{f"stats/{key}/{name}": value for key, table in counted.items() for name, value in table.items()},
     }
 

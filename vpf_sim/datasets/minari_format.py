@@ -54,9 +54,9 @@ class Minari:
             file["terminations"] = episode.terminations
             file["truncations"] = episode.truncations
             record = episode.record
-            named = {key: record[key] for key in ("scenario", "weather", "driver", "status")}
-            numbers = {"id": place.episode, "seed": record["seed"], "total_steps": len(episode)}
-            file.attrs.update({**numbers, **named, "episode": record["id"], "task": episode.task})
+            named = {key: getattr(record, key) for key in ("scenario", "weather", "driver", "status")}
+            numbers = {"id": place.episode, "seed": record.seed, "total_steps": len(episode)}
+            file.attrs.update({**numbers, **named, "episode": record.id, "task": episode.task})
 
     def finish(self, folder: Path, name: str, episodes: Sequence[Written], contents: Contents) -> None:
         """Gather the episodes in one file, and describe them."""
@@ -96,7 +96,7 @@ def _metadata(folder: Path, name: str, episodes: Sequence[Written], contents: Co
         "dataset_size": round(size_mb, 1),
         "observation_space": json.dumps(_observation_space(contents)),
         "action_space": json.dumps(_box("float64", [len(ACTION)], -1.0, 1.0)),
-        "algorithm_name": ", ".join(dict.fromkeys(str(one.record["driver"]) for one in episodes)),
+        "algorithm_name": ", ".join(dict.fromkeys(str(one.record.driver) for one in episodes)),
         "description": f"Drives of vpf_sim; state: {', '.join(STATE)}; action: {', '.join(ACTION)}. See README.md.",
         "requirements": [],
     }

@@ -1,9 +1,10 @@
 """Drives episodes, scores them, and compares runs. Start reading at `episode/episode.py`, the closed loop.
 
-Modules here are shared by all packages: `job` (an episode to drive), `steps` (its step table), `outcome` (its ending).
+Modules here are shared by all packages: `job` (an episode to drive), `steps` (its step table), `outcome` (its ending),
+`scores` (by dotted key).
 Each package imports only packages above it:
 
-- metrics: the scores of an episode, and the record that holds them
+- metrics: the scores of an episode, the registry of all metrics, and the record that holds the scores
 - truth: ground truth from renderer and road, hidden from drivers
 - processes: single-threaded workers with timeouts and retries
 - episode: the closed loop, its step log and stage timing

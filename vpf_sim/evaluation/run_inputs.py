@@ -1,7 +1,7 @@
 """The scenario and weather files of a run: it keeps their content, so that it can be opened from any folder."""
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,9 +35,8 @@ class RunInputs:
     made_in: Path | None = None  # the working folder of the run; none for one of an earlier version
 
     @classmethod
-    def of(cls, folder: Path, manifest: Mapping[str, Any]) -> "RunInputs":
-        """The inputs of the run in a folder."""
-        made_in = manifest.get("made_in")
+    def of(cls, folder: Path, made_in: str | None) -> "RunInputs":
+        """The inputs of the run in a folder; `made_in` is its manifest's."""
         return cls(folder, None if made_in is None else Path(made_in))
 
     def scenario(self, name: str) -> "AnyScenario":

@@ -2,17 +2,18 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import date
-from typing import Any
 
 import numpy as np
 
 from vpf_sim.evaluation.analysis.comparisons import succeeded
+from vpf_sim.evaluation.analysis.rows import Row
 from vpf_sim.evaluation.analysis.statistics import Difference, paired_shares, share_interval
 from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.metrics.records import Record
+from vpf_sim.evaluation.metrics.registry import PATH_MSE
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.seeds import parse_seeds
-from vpf_sim.reporting.cells import Order, Row, formatted, interval_text, shown
-from vpf_sim.reporting.stored_run import Record
+from vpf_sim.reporting.cells import Order, formatted, interval_text, shown, text_of
 
 WHAT = {"town04-clean": "without obstacles", "town04": "with obstacles"}
 MOST_NAMES = 4  # in a title
@@ -90,39 +91,36 @@ def of_two(jobs: Iterable[Job], records: Mapping[str, Record], order: Order) -> 
 
 
 def _success(driver: str, rows: Sequence[Row]) -> str:
-    own = [row for row in rows if row["driver"] == driver]
-    reached, planned = sum(row["successes"] for row in own), sum(row["episodes"] for row in own)
+    own = [row for row in rows if row.driver == driver]
+    reached, planned = sum(row.successes for row in own), sum(row.episodes for row in own)
     ends = interval_text(share_interval(reached, planned), 0, percent=True)
     return f"{reached} of {planned} episode{'s' * (planned != 1)} ({ends} %)"
 
 
 def _where(driver: str, rows: Sequence[Row]) -> str:
     """The cells with failures, if they are few."""
-    own = [row for row in rows if row["driver"] == driver]
-    bad = [row for row in own if row["successes"] < row["episodes"]]
+    own = [row for row in rows if row.driver == driver]
+    bad = [row for row in own if row.successes < row.episodes]
     if not bad or len(bad) == len(own) or len(bad) > 4:
         return ""
-    failing = (
-        f"{row['successes']} of {row['episodes']} on {shown(row['scenario'])} in {shown(row['weather'])}" for row in bad
-    )
+    failing = (f"{row.successes} of {row.episodes} on {shown(row.scenario)} in {shown(row.weather)}" for row in bad)
     return f": {', '.join(failing)}, all in the others"
 
 
 def _against_paper(rows: Sequence[Row], order: Order) -> list[str]:
     """A sentence with the first driver's path MSE beside the paper's; empty without both."""
     first = order.drivers[0]
-    own = [row for row in sorted(rows, key=order.place) if row["driver"] == first and row.get("paper")]
-    scored = [row for row in own if row["path_mse_m2"] is not None]
+    own = [row for row in order.sorted(rows) if row.driver == first and row.paper]
+    scored = [row for row in own if row[PATH_MSE] is not None]
     if not scored:
         return []
-    pairs = ", ".join(f"{formatted(row['path_mse_m2'], 3)} ({_cell(row)}; paper {_paper(row)})" for row in scored)
+    pairs = ", ".join(f"{text_of(PATH_MSE, row[PATH_MSE])} ({_cell(row)}; paper {_paper(row)})" for row in scored)
     return [f"Path MSE of {first}, m²: {pairs}. Simulator and camera differ: see below."]
 
 
 def _cell(row: Row) -> str:
-    return f"{row['weather']}, {WHAT.get(row['scenario'], row['scenario'])}"
+    return f"{row.weather}, {WHAT.get(row.scenario, row.scenario)}"
 
 
 def _paper(row: Row) -> str:
-    paper: dict[str, Any] = row["paper"]
-    return formatted(paper["path_mse_m2"], 2)
+    return formatted((row.paper or {}).get(PATH_MSE.paper), 2)

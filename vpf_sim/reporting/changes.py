@@ -7,7 +7,8 @@ import numpy as np
 from markupsafe import Markup
 
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.analysis.comparisons import succeeded
+from vpf_sim.evaluation.metrics.records import Record
+from vpf_sim.evaluation.metrics.registry import PATH_MSE
 from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.reporting import clips, paths, video
@@ -15,7 +16,6 @@ from vpf_sim.reporting.clips import Clip
 from vpf_sim.reporting.paths import Track
 from vpf_sim.reporting.road_layout import layouts
 from vpf_sim.reporting.run_data import RunData
-from vpf_sim.reporting.stored_run import Record
 from vpf_sim.reporting.two_runs import Pair, TwoRuns
 
 STYLES = ("d1", "d0")  # of A and B
@@ -34,10 +34,10 @@ class Change:
 
 def choose(pairs: Sequence[Pair], count: int) -> list[Pair]:
     """Up to `count` pairs with another ending, those that now fail first; else the one whose path changed most."""
-    changed = sorted((pair for pair in pairs if pair.changed), key=lambda pair: succeeded(pair.records[1]))
+    changed = sorted((pair for pair in pairs if pair.changed), key=lambda pair: pair.records[1].succeeded)
     if changed or not count:
         return changed[:count]
-    driven = [pair for pair in pairs if all(record["path_mse_m2"] is not None for record in pair.records)]
+    driven = [pair for pair in pairs if all(record[PATH_MSE] is not None for record in pair.records)]
     return sorted(filter(_path_change, driven), key=_path_change, reverse=True)[:1]
 
 
@@ -49,16 +49,10 @@ def make(runs: TwoRuns, pair: Pair, notify: Callable[[str], None]) -> Change:
     for run, job, record in zip((runs.a, runs.b), pair.jobs, pair.records, strict=True):
         videos.append(_video(run, record, end_m, notify) if video.is_available() else None)
         notify(f"{job.id}: {'rendered' if videos[-1] else 'no video'}")
-    first, second = (ending(record) for record in pair.records)
+    first, second = (record.ending for record in pair.records)
     return Change(
         name(pair), (first, second), (videos[0], videos[1]), _above(runs.a.run.inputs, pair, tables, end_m, notify)
     )
-
-
-def ending(record: Record) -> str:
-    """How an episode ended, as text: "collision with a car"."""
-    hit = f" with a {record['collided_with']}" if record.get("collided_with") else ""
-    return f"{record['status'].replace('_', ' ')}{hit}"
 
 
 def name(pair: Pair) -> str:
@@ -68,14 +62,14 @@ def name(pair: Pair) -> str:
 
 
 def _path_change(pair: Pair) -> float:
-    one, other = (float(record["path_mse_m2"]) for record in pair.records)
+    one, other = (record[PATH_MSE] or 0.0 for record in pair.records)
     return abs(one - other)
 
 
 def _place_m(pair: Pair, tables: Sequence[StepTable | None]) -> float:
     """Where to look, along the route: the end of the episode that failed, or where the paths lie farthest apart."""
     failed = [
-        table for record, table in zip(pair.records, tables, strict=True) if table is not None and not succeeded(record)
+        table for record, table in zip(pair.records, tables, strict=True) if table is not None and not record.succeeded
     ]
     driven = [table for table in tables if table is not None]
     if failed:
@@ -89,12 +83,12 @@ def _place_m(pair: Pair, tables: Sequence[StepTable | None]) -> float:
 
 
 def _video(run: RunData, record: Record, end_m: float, notify: Callable[[str], None]) -> Clip | None:
-    if not record["steps"]:
+    if not record.steps:
         return None
     try:
         return clips.make(run.run, record, end_m + BEYOND_M)
     except InputError as error:
-        notify(f"{record['id']} cannot be re-rendered: {error}")
+        notify(f"{record.id} cannot be re-rendered: {error}")
         return None
 
 
@@ -115,7 +109,7 @@ def _above(
         notify(f"{scenario} cannot be drawn: {error}")
         return None
     tracks = [
-        Track(seed, style, succeeded(record), table)
+        Track(seed, style, record.succeeded, table)
         for style, record, table in zip(STYLES, pair.records, tables, strict=True)
         if table is not None
     ]

@@ -9,10 +9,11 @@ from tempfile import TemporaryDirectory
 import cv2
 import numpy as np
 
+from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.reporting import episode_view
 from vpf_sim.reporting.pictures import data_uri, jpeg
 from vpf_sim.reporting.redraw import redrawing
-from vpf_sim.reporting.stored_run import Record, StoredRun
+from vpf_sim.reporting.stored_run import StoredRun
 from vpf_sim.reporting.video import Writer
 from vpf_sim.types import Image
 
@@ -38,15 +39,15 @@ class Clip:
 def choose(records: Iterable[Record], drivers: Sequence[str], count: int) -> list[Record]:
     """Up to `count` unsuccessful episodes, different kinds of failure and cells first; one success if there is none."""
     order = {driver: number for number, driver in enumerate(drivers)}
-    driven = [record for record in records if record["steps"] > 0]
-    driven.sort(key=lambda record: (order.get(record["driver"], len(order)), record["seed"], record["id"]))
-    failed = [record for record in driven if record["status"] != "success"] or driven[:1]
+    driven = [record for record in records if record.steps > 0]
+    driven.sort(key=lambda record: (order.get(record.driver, len(order)), record.seed, record.id))
+    failed = [record for record in driven if not record.succeeded] or driven[:1]
     kinds: Counter[tuple[str, ...]] = Counter()
     cells: Counter[tuple[str, ...]] = Counter()
     ranked = []
     for number, record in enumerate(failed):
-        kind = (record["driver"], record["status"])
-        cell = (*kind, record["scenario"], record["weather"])
+        kind = (record.driver, record.status)
+        cell = (*kind, record.scenario, record.weather)
         ranked.append((0 if kinds[kind] == 0 else 1 + cells[cell], number, record))
         kinds[kind] += 1
         cells[cell] += 1
@@ -55,7 +56,7 @@ def choose(records: Iterable[Record], drivers: Sequence[str], count: int) -> lis
 
 def make(run: StoredRun, record: Record, until_m: float | None = None) -> Clip:
     """Re-render the episode and encode its end, or the seconds before `until_m` of the route."""
-    drawn = redrawing(run, record["id"], replan=True)
+    drawn = redrawing(run, record.id, replan=True)
     last = len(drawn.table)
     if until_m is not None and drawn.table.route_m[-1] > until_m:
         last = int(np.argmax(drawn.table.route_m > until_m))
@@ -70,7 +71,7 @@ def make(run: StoredRun, record: Record, until_m: float | None = None) -> Clip:
                 writer.write(small)
         video = path.read_bytes()
     return Clip(
-        record["id"],
+        record.id,
         episode_view.ending(drawn),
         tuple(drawn.remarks),
         data_uri("video/mp4", video),

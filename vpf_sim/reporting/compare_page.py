@@ -3,15 +3,15 @@
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-from vpf_sim.evaluation.analysis.comparisons import succeeded
 from vpf_sim.evaluation.analysis.statistics import share_interval
-from vpf_sim.evaluation.sweeps.run_folder import change
+from vpf_sim.evaluation.metrics.registry import SUCCESS
+from vpf_sim.evaluation.sweeps.manifest import change
 from vpf_sim.reporting import answer, changes, failures, interval_chart, video
 from vpf_sim.reporting.cells import NONE, formatted, interval_text, shown
 from vpf_sim.reporting.interval_chart import Dot
 from vpf_sim.reporting.tables import Table, Value
 from vpf_sim.reporting.templates import render
-from vpf_sim.reporting.two_runs import AGAINST, SCORES, SUCCESS, Cell, Compared, Pair, TwoRuns, compared
+from vpf_sim.reporting.two_runs import AGAINST, SCORES, Cell, Compared, Pair, TwoRuns, compared
 
 ORDER = ("worse", "better", "undecided", "same")  # of scores
 MOST_DRAWN = 8  # cells of the picture
@@ -53,15 +53,15 @@ def title(runs: TwoRuns) -> str:
 
 def sentences(runs: TwoRuns, overall: dict[str, Compared]) -> list[str]:
     """Success with its interval, the episodes that changed, and the scores that got better or worse."""
-    (a, b), success = runs.labels, overall[SUCCESS].difference
-    reached = [sum(succeeded(pair.records[which]) for pair in runs.pairs) for which in (0, 1)]
+    (a, b), success = runs.labels, overall[SUCCESS.key].difference
+    reached = [sum(pair.records[which].succeeded for pair in runs.pairs) for which in (0, 1)]
     of = len(runs.pairs)
     found = [
         f"{b} reached the goal in {reached[1]} of {of} episodes, {a} in {reached[0]}: "
-        f"{answer.difference(success, a)}{_decided(overall[SUCCESS])}."
+        f"{answer.difference(success, a)}{_decided(overall[SUCCESS.key])}."
     ]
     changed = [pair for pair in runs.pairs if pair.changed]
-    fixed = sum(succeeded(pair.records[1]) for pair in changed)
+    fixed = sum(pair.records[1].succeeded for pair in changed)
     if changed:
         found.append(f"Of {of} episodes {fixed} now reach the goal, {len(changed) - fixed} no longer do.")
     others = {verdict: [*_named(overall, verdict)] for verdict in ("better", "worse")}
@@ -76,12 +76,11 @@ def _decided(found: Compared) -> str:
 def _named(overall: dict[str, Compared], verdict: str) -> Iterator[str]:
     """Scores with a verdict, with the difference and its interval."""
     for key, one in overall.items():
-        if key != SUCCESS and one.verdict == verdict:
-            score, found = SCORES[key], one.difference
-            label, _, unit = score.label.rpartition(", ")
-            values = _signed(found.difference, score.digits, score.percent)
-            ends = interval_text(found.interval, score.digits, score.percent)
-            yield f"{label or unit} {values}{f' {unit}' if label else ''} ({ends})"
+        if key != SUCCESS.key and one.verdict == verdict:
+            metric, found = SCORES[key], one.difference
+            values = _signed(found.difference, metric.digits, metric.percent)
+            ends = interval_text(found.interval, metric.digits, metric.percent)
+            yield f"{metric.title} {values}{f' {metric.unit}' if metric.unit else ''} ({ends})"
 
 
 def _picture(runs: TwoRuns, cells: dict[Cell, list[Pair]]) -> Any:
@@ -92,7 +91,7 @@ def _picture(runs: TwoRuns, cells: dict[Cell, list[Pair]]) -> Any:
     dots = []
     for name, pairs in parts:
         for which, label in enumerate(runs.labels):
-            count = sum(succeeded(pair.records[which]) for pair in pairs)
+            count = sum(pair.records[which].succeeded for pair in pairs)
             low, high = share_interval(count, len(pairs))
             ends = (100.0 * low, 100.0 * high)
             dots.append(Dot(name, label, 0, changes.STYLES[which], 100.0 * count / len(pairs), ends))
@@ -104,13 +103,13 @@ def _table(rows: Sequence[tuple[tuple[str, ...], dict[str, Compared]]], names: t
     lines = []
     for cell, found in rows:
         for key, one in sorted(found.items(), key=lambda item: ORDER.index(item[1].verdict)):
-            score, difference = SCORES[key], one.difference
-            number = (score.digits, score.percent)
+            metric, difference = SCORES[key], one.difference
+            number = (metric.digits, metric.percent)
             ends = interval_text(difference.interval, *number) or NONE
             lines.append(
                 (
                     *(Value(shown(name)) for name in cell),
-                    Value(score.label),
+                    Value(metric.heading),
                     Value(one.verdict),
                     *(Value(formatted(value, *number), value=value) for value in (one.a, one.b)),
                     Value(_signed(difference.difference, *number), value=difference.difference),
@@ -131,14 +130,14 @@ def _signed(value: float, digits: int, percent: bool) -> str:
 def _endings(runs: TwoRuns) -> list[tuple[str, str, str]]:
     """Name and both endings of each episode with another ending, those that now fail first."""
     rows = changes.choose(runs.pairs, len(runs.pairs)) if any(pair.changed for pair in runs.pairs) else []
-    return [(changes.name(pair), changes.ending(pair.records[0]), changes.ending(pair.records[1])) for pair in rows]
+    return [(changes.name(pair), pair.records[0].ending, pair.records[1].ending) for pair in rows]
 
 
 def _made(runs: TwoRuns) -> Iterator[tuple[str, str]]:
     """Both folders, what differs between their versions, and what was not compared."""
     for letter, one in zip("AB", (runs.a, runs.b), strict=True):
         yield letter, f"{one.run.path}: {answer.title(one.plan, one.run.begun)}"
-    a, b = (one.run.manifest["fingerprint"] for one in (runs.a, runs.b))
+    a, b = (one.run.manifest.fingerprint for one in (runs.a, runs.b))
     yield "versions", change(a, b) if a != b else "the same"
     yield "without a partner", "{} episodes of A, {} of B".format(*runs.left_out)
     if runs.changed_worlds:

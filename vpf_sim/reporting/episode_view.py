@@ -30,9 +30,7 @@ def frames(drawn: Redrawing, wanted: Callable[[int], bool] = lambda _: True) -> 
 
 def ending(drawn: Redrawing) -> str:
     """How the episode ended, as text."""
-    record = drawn.record
-    with_what = f" with a {record['collided_with']}" if record.get("collided_with") else ""
-    return f"{record['status'].replace('_', ' ')}{with_what} after {drawn.table.time_s[-1]:.1f} s"
+    return f"{drawn.record.ending} after {drawn.table.time_s[-1]:.1f} s"
 
 
 def _compose(drawn: Redrawing, moment: Moment, strips: Strips) -> Image:
@@ -56,7 +54,7 @@ def _compose(drawn: Redrawing, moment: Moment, strips: Strips) -> Image:
 def _title(canvas: Canvas, drawn: Redrawing, row: int) -> None:
     """Draw the episode's id, ending, time and distance."""
     camera = drawn.camera
-    write(canvas, drawn.record["id"], 12, 19, INK, 0.48)
+    write(canvas, drawn.record.id, 12, 19, INK, 0.48)
     write(canvas, ending(drawn), round(0.55 * camera.width_px), 19, SOFT, 0.44)
     clock = f"{drawn.table.time_s[row]:5.2f} s   {drawn.table.route_m[row]:.0f} m"
     write(canvas, clock, camera.width_px + 12, 19, INK, 0.48)

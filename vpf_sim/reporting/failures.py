@@ -3,10 +3,10 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Any
 
-from vpf_sim.reporting.cells import formatted, shown
-from vpf_sim.reporting.stored_run import Record
+from vpf_sim.evaluation.metrics.records import Record
+from vpf_sim.evaluation.metrics.registry import COMPLETION
+from vpf_sim.reporting.cells import shown, text_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,11 +28,10 @@ def endings(failed: Sequence[Record], reason: Callable[[str], str | None]) -> li
     """The failed records grouped, in their order of cells; `reason` returns the error of an id."""
 
     def alike(record: Record) -> tuple[str, ...]:
-        cell = tuple(str(record[key]) for key in ("scenario", "weather", "driver", "status"))
-        return (*cell, record.get("collided_with") or "", reason(record["id"]) or "")
+        return (*record.cell, record.status, record.collided_with or "", reason(record.id) or "")
 
-    cells = {key: number for number, key in reversed([*enumerate(map(_cell, failed))])}
-    ordered = sorted(failed, key=lambda record: (cells[_cell(record)], alike(record), record["seed"]))
+    cells = {record.cell: number for number, record in reversed([*enumerate(failed)])}
+    ordered = sorted(failed, key=lambda record: (cells[record.cell], alike(record), record.seed))
     return [_ending(key, list(found)) for key, found in groupby(ordered, key=alike)]
 
 
@@ -47,15 +46,11 @@ def ranges(seeds: Sequence[int]) -> str:
     return ", ".join(f"{run[0]}–{run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs)
 
 
-def _cell(record: Record) -> tuple[Any, ...]:
-    return record["scenario"], record["weather"], record["driver"]
-
-
 def _ending(key: tuple[str, ...], found: list[Record]) -> FailureGroup:
     scenario, weather, driver, status, collided_with, reason = key
-    driven = sorted(float(record["route_completion"]) for record in found)
-    shares = list(dict.fromkeys(formatted(share, 1, percent=True) for share in (driven[0], driven[-1])))
-    seeds = tuple(int(record["seed"]) for record in found)
+    driven = sorted(record[COMPLETION] or 0.0 for record in found)
+    shares = list(dict.fromkeys(text_of(COMPLETION, share) for share in (driven[0], driven[-1])))
+    seeds = tuple(record.seed for record in found)
     return FailureGroup(
         shown(scenario),
         shown(weather),
@@ -65,5 +60,5 @@ def _ending(key: tuple[str, ...], found: list[Record]) -> FailureGroup:
         reason,
         seeds,
         " to ".join(shares),
-        found[0]["id"],
+        found[0].id,
     )

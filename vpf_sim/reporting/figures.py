@@ -4,29 +4,20 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from vpf_sim.errors import InputError
+from vpf_sim.evaluation.analysis.rows import Row
+from vpf_sim.evaluation.metrics.metric import Metric
+from vpf_sim.evaluation.metrics.records import Record
+from vpf_sim.evaluation.metrics.registry import columns
 from vpf_sim.reporting import commands, interval_chart, paths
-from vpf_sim.reporting.cells import Order, Row, at, interval_of, shown
+from vpf_sim.reporting.cells import Order, shown
 from vpf_sim.reporting.commands import CommandCharts
 from vpf_sim.reporting.paths import Chart, Track
 from vpf_sim.reporting.road_layout import layouts
 from vpf_sim.reporting.run_data import RunData
-from vpf_sim.reporting.stored_run import Record, StoredRun
+from vpf_sim.reporting.stored_run import StoredRun
 
 MOST_TRACKS = 30  # seeds with drawn paths
 MOST_PATHS, MOST_COMMANDS = 12, 6  # pairs of scenario and weather
-DOTS = (  # key, title, scale, ends of the axis
-    ("success_rate", "Episodes that reached the goal, %", 100.0, (0.0, 100.0)),
-    ("path_mse_m2", "Path MSE, m²", 1.0, None),
-    ("accuracy.shadow.throttle.range", "Throttle accuracy, % (range, shadow)", 100.0, (0.0, 100.0)),
-    ("accuracy.shadow.steering.range", "Steering accuracy, % (range, shadow)", 100.0, (0.0, 100.0)),
-    ("driving_score_2_1", "CARLA driving score 2.1", 1.0, (0.0, 1.0)),
-    ("min_clearance_m", "Least clearance of an episode, mean, m", 1.0, None),
-)
-PAPER_KEYS = {
-    "path_mse_m2": "path_mse_m2",
-    "accuracy.shadow.throttle.range": "throttle",
-    "accuracy.shadow.steering.range": "steering",
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,8 +54,8 @@ def sections(run_data: RunData) -> Sections:
 
 def _add(found: Sections, run_data: RunData, scenario: str, weather: str, title: str) -> None:
     here = run_data.at(scenario, weather)
-    seeds = sorted({int(record["seed"]) for record in here})[:MOST_TRACKS]
-    tracks = list(_tracks(run_data, [record for record in here if record["seed"] in seeds]))
+    seeds = sorted({record.seed for record in here})[:MOST_TRACKS]
+    tracks = list(_tracks(run_data, [record for record in here if record.seed in seeds]))
     if not tracks:
         found.left_out += _lost(run_data.run, here, title)
         return
@@ -73,16 +64,16 @@ def _add(found: Sections, run_data: RunData, scenario: str, weather: str, title:
     except InputError as error:
         found.left_out.append(f"{title}: {error}")
         return
-    first = [record for record in here if record["seed"] == seeds[0] and record["driver"] != "pid"]
+    first = [record for record in here if record.seed == seeds[0] and record.driver != "pid"]
     if len(found.drawn) < MOST_COMMANDS:
         found.commands += _commands(run_data.run, run_data.order, first)
-    drivers = tuple(dict.fromkeys(record["driver"] for record in here))
+    drivers = tuple(dict.fromkeys(record.driver for record in here))
     found.drawn.append(Section(title, drivers, tuple(paths.charts(where, tracks, title))))
 
 
 def _lost(run: StoredRun, records: Sequence[Record], title: str) -> Iterator[str]:
     """That the steps of driven episodes are gone, if they are."""
-    lost = [record["id"] for record in records if record["steps"]]
+    lost = [record.id for record in records if record.steps]
     if lost:
         yield f"{title}: {len(lost)} driven episodes have no steps in {run.path / 'steps'} any more"
 
@@ -90,46 +81,48 @@ def _lost(run: StoredRun, records: Sequence[Record], title: str) -> Iterator[str
 def _tracks(run_data: RunData, records: Sequence[Record]) -> Iterator[Track]:
     """The paths; the first driver's come last and are drawn on top."""
     for record in reversed(records):
-        table = run_data.run.steps(record["id"])
+        table = run_data.run.steps(record.id)
         if table is not None:
-            yield Track(record["seed"], run_data.order.style(record["driver"]), record["status"] == "success", table)
+            yield Track(record.seed, run_data.order.style(record.driver), record.succeeded, table)
 
 
 def _commands(run: StoredRun, order: Order, records: Sequence[Record]) -> Iterator[CommandCharts]:
     for record in records:
-        table = run.steps(record["id"])
+        table = run.steps(record.id)
         if table is not None:
-            yield commands.charts(record["id"], order.style(record["driver"]), table)
+            yield commands.charts(record.id, order.style(record.driver), table)
 
 
 def scores(rows: Sequence[Row], order: Order) -> Iterator[Chart]:
     """One chart per score, with the paper's values."""
-    for key, title, scale, ends in DOTS:
-        found = [dot for row in rows if (dot := _dot(row, key, scale, order))]
+    for metric in columns("chart"):
+        found = [dot for row in rows if (dot := _dot(row, metric, order))]
         if found:
-            yield Chart(
-                title, interval_chart.chart(found, _marks(rows, order, PAPER_KEYS.get(key), scale), title, ends)
-            )
+            scale, title = _scale(metric), f"{metric.heading[0].upper()}{metric.heading[1:]}"
+            ends = None if metric.perfect is None else (0.0, scale * metric.perfect)
+            yield Chart(title, interval_chart.chart(found, _marks(rows, order, metric), title, ends))
 
 
-def _dot(row: Row, key: str, scale: float, order: Order) -> interval_chart.Dot | None:
-    value, grey = at(row, key), False
+def _scale(metric: Metric) -> float:
+    return 100.0 if metric.percent else 1.0
+
+
+def _dot(row: Row, metric: Metric, order: Order) -> interval_chart.Dot | None:
+    value = row[metric]
+    grey = value is None
     if value is None:
-        value, grey = at(row.get("unsuccessful") or {}, key), True
+        value = row.unsuccessful.get(metric.key)
     if value is None:
         return None
-    weather = order.weathers.index(row["weather"])
-    ends = None if grey else interval_of(row, key)
-    scaled = ends and (scale * ends[0], scale * ends[1])
-    return interval_chart.Dot(
-        shown(row["scenario"]), row["driver"], weather, order.style(row["driver"]), scale * value, scaled, grey
-    )
+    scale, ends = _scale(metric), None if grey else row.interval(metric)
+    scaled = ends and (scale * ends.low, scale * ends.high)
+    style, weather = order.style(row.driver), order.weathers.index(row.weather)
+    return interval_chart.Dot(shown(row.scenario), row.driver, weather, style, scale * value, scaled, grey)
 
 
-def _marks(rows: Sequence[Row], order: Order, key: str | None, scale: float) -> list[interval_chart.Mark]:
-    if key is None:
-        return []
-    found = {(row["scenario"], row["weather"]): scale * row["paper"][key] for row in rows if row.get("paper")}
+def _marks(rows: Sequence[Row], order: Order, metric: Metric) -> list[interval_chart.Mark]:
+    scale = _scale(metric)
+    found = {row.cell[:2]: scale * row.paper[metric.paper] for row in rows if row.paper and metric.paper}
     return [
         interval_chart.Mark(shown(scenario), order.weathers.index(weather), value)
         for (scenario, weather), value in found.items()

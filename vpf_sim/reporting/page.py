@@ -49,8 +49,8 @@ def _headline(run_data: RunData) -> dict[str, Any]:
         "planned": len(run_data.jobs),
         "folder": str(run_data.run.path),
         "video_command": lambda episode: command("video", run_data.run.path, id=episode),
-        "fingerprint": run_data.run.manifest["fingerprint"],
-        "mixed": sorted({str(one["fingerprint"]) for one in run_data.records.values() if "fingerprint" in one}),
+        "fingerprint": run_data.run.manifest.fingerprint,
+        "mixed": sorted({one.fingerprint for one in run_data.records.values() if one.fingerprint}),
         "changed": sorted(shown(name) for name in run_data.changed()),
     }
 
@@ -68,12 +68,12 @@ def _charts(run_data: RunData) -> dict[str, Any]:
 
 def _tables(run_data: RunData) -> dict[str, Any]:
     rows, order, records = run_data.rows, run_data.order, list(run_data.records.values())
-    compared = run_data.summary.get("comparisons") or []
+    compared = run_data.summary.comparisons
     return {
-        "columns": cells.MAIN,
+        "columns": cells.DRIVING,
         "groups": cells.groups(rows, order),
         "open_groups": MOST_OPEN,
-        "has_paper": any(row.get("paper") for row in rows),
+        "has_paper": any(row.paper for row in rows),
         "accuracies": [(name, accuracy.by_definition(rows, order, name)) for name in accuracy.SIGNALS],
         "parts": accuracy.by_part(rows, order),
         "map": list(success_map.rows(run_data.jobs, run_data.records, order)),
@@ -86,7 +86,7 @@ def _tables(run_data: RunData) -> dict[str, Any]:
         "objects": tables.perception(rows, order, tables.OBJECTS),
         "comfort": tables.comfort(records, order),
         "compute": tables.compute(run_data.run.timing, records, order),
-        "hosts": sorted({str(time["host"]) for time in run_data.run.timing.values() if "host" in time}),
+        "hosts": sorted({time.host for time in run_data.run.timing.values() if time.host}),
     }
 
 
@@ -108,9 +108,9 @@ def _clips(run_data: RunData, count: int, notify: Notify) -> list[Clip]:
     chosen = clips.choose(run_data.records.values(), run_data.order.drivers, count)
     made = []
     for number, record in enumerate(chosen, start=1):
-        notify(f"rendering {record['id']}, clip {number} of {len(chosen)}")
+        notify(f"rendering {record.id}, clip {number} of {len(chosen)}")
         try:
             made.append(clips.make(run_data.run, record))
         except InputError as error:
-            notify(f"{record['id']} cannot be re-rendered: {error}")
+            notify(f"{record.id} cannot be re-rendered: {error}")
     return made

@@ -52,7 +52,7 @@ def paths(drives: Sequence[Drive], layouts: Mapping[tuple[str, int], RoadLayout]
     axes = figure.subplots(len(CELLS), 2, squeeze=False)
     for (scenario, weather), (whole, near) in zip(CELLS, axes, strict=True):
         here = [drive for drive in drives if (drive.scenario, drive.weather) == (scenario, weather)]
-        layout = next((layouts[scenario, int(drive.record["seed"])] for drive in here), None)
+        layout = next((layouts[scenario, drive.record.seed] for drive in here), None)
         if layout is None:
             continue
         obstacles = layout.static_obstacles

@@ -27,18 +27,18 @@ def drives_of(run: StoredRun, driver: str) -> list[Drive]:
     """The episodes of a driver, each with the PID's on the same seed without obstacles: the planned trajectory."""
     found = []
     for record in run.records.values():
-        table = run.steps(record["id"])
-        if record["driver"] == driver and table is not None:
-            pid = run.steps(Job(SCENARIOS[0], record["weather"], REFERENCE_DRIVER, record["seed"]).id)
-            found.append(Drive(record["scenario"], record["weather"], record, table, pid))
+        table = run.steps(record.id)
+        if record.driver == driver and table is not None:
+            pid = run.steps(Job(SCENARIOS[0], record.weather, REFERENCE_DRIVER, record.seed).id)
+            found.append(Drive(record.scenario, record.weather, record, table, pid))
     return found
 
 
 def answer(run: StoredRun, driver: str, drives: list[Drive]) -> dict[str, Any]:
     """The content of paper.json."""
     rows = reproduction.cells(drives)
-    stages = [run.timing.get(drive.record["id"], {}).get("stages_ms") or {} for drive in drives]
-    times = [stage["driver"] for stage in stages if stage.get("driver") is not None]
+    timing = [run.timing[drive.record.id] for drive in drives if drive.record.id in run.timing]
+    times = [time.stages_ms["driver"] for time in timing if "driver" in time.stages_ms]
     return {
         "driver": driver,
         "cells": rows,
@@ -60,21 +60,18 @@ def write(folder: Path, drives: list[Drive], found: dict[str, Any]) -> Path:
 
 
 def _figures(drives: list[Drive]) -> dict[str, bytes]:
-    seeds = {
-        scenario: sorted({int(one.record["seed"]) for one in drives if one.scenario == scenario})
-        for scenario, _ in CELLS
-    }
+    seeds = {scenario: sorted({one.record.seed for one in drives if one.scenario == scenario}) for scenario, _ in CELLS}
     where = {
         (scenario, seed): layout for scenario, some in seeds.items() for seed, layout in layouts(scenario, some).items()
     }
     found = {}
     for cell in CELLS:
         here = [drive for drive in drives if (drive.scenario, drive.weather) == cell]
-        shown = min(here, key=lambda drive: (not drive.succeeded, drive.record["seed"]), default=None)
+        shown = min(here, key=lambda drive: (not drive.succeeded, drive.record.seed), default=None)
         if shown is not None:
-            obstacles = where[cell[0], int(shown.record["seed"])].static_obstacles
+            obstacles = where[cell[0], shown.record.seed].static_obstacles
             face_m = min((obstacle.route_m[0] for obstacle in obstacles), default=NO_OBSTACLE_M)
-            drawing = Redrawing(dict(shown.record), shown.table, replan=True)
+            drawing = Redrawing(shown.record, shown.table, replan=True)
             found[cell] = paper_figures.forces_along(drawing, face_m)
     return {
         "paths": paper_figures.paths(drives, where),

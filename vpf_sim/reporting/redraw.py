@@ -16,9 +16,10 @@ from vpf_sim.envs.rectangles import solid_objects
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.evaluation.episode.pose_playback import PosePlayback, rate_of
+from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import StepTable
-from vpf_sim.reporting.stored_run import Record, StoredRun
+from vpf_sim.reporting.stored_run import StoredRun
 from vpf_sim.reporting.top_view import Rectangle, Scene
 from vpf_sim.types import Camera, Command, Driver, Image, Observation, Plan
 
@@ -49,14 +50,14 @@ class Redrawing:
     def __post_init__(self) -> None:
         self.rate_hz = rate_of(self.table)
         with closing(self._world()) as world:
-            world.reset(seed=self.record["seed"])
+            world.reset(seed=self.record.seed)
             self.camera, self.scene = world.camera, scene_of(world)
 
     def moments(self) -> Iterator[Moment]:
         """Yield every frame in order, with the driver's plan if `replan` is set and it has one."""
         replanner: _Replanner | None = None
         with closing(self._world()) as world:
-            for frame in world.play(self.record["seed"]):
+            for frame in world.play(self.record.seed):
                 if self.replan and replanner is None:
                     replanner = _Replanner(self, world)
                 observation = read(frame.observed)
@@ -77,8 +78,8 @@ class _Replanner:
         self._table = drawn.table
         self._driver: Driver | None = None
         try:
-            driver = drivers.create(drawn.inputs.driver(drawn.record["driver"]))
-            driver.reset(setup_for(driver, world, drawn.record["seed"]))
+            driver = drivers.create(drawn.inputs.driver(drawn.record.driver))
+            driver.reset(setup_for(driver, world, drawn.record.seed))
             self._driver = driver
         except InputError as error:  # a class of a notebook, or of a module that has moved
             self.remarks.append(f"without the driver's view: {error}{drawn.inputs.place}")

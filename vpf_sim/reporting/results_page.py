@@ -5,20 +5,18 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from vpf_sim import drivers
+from vpf_sim.evaluation.analysis.rows import Row
+from vpf_sim.evaluation.metrics.registry import AT_FAULT, COLLISIONS, SUCCESS, columns
 from vpf_sim.evaluation.sweeps.fingerprint import commit_of
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.seeds import parse_seeds
-from vpf_sim.reporting.cells import MAIN, NONE, Column, Row, cell, driver_row, shown
+from vpf_sim.reporting.cells import NONE, cell, driver_row, shown, text_of
 from vpf_sim.reporting.run_data import RunData
 from vpf_sim.reporting.stored_run import open_run
 from vpf_sim.reporting.tables import OBJECTS, PERCEPTION, perception
 
 DEVELOPMENT_SEEDS_BELOW = 1000
-CHATTERING = (
-    Column("chattering.steering.direction_changes_per_s", "steering reversals", "1/s", 1),
-    Column("chattering.steering_rate_radps.p95", "steering rate, p95", "rad/s", 2),
-)
-SCORES = (*(column for column in MAIN if not column.key.startswith("accuracy")), *CHATTERING)
+SCORES = columns("results")
 HEAD = """# Results
 
 `vpf-sim results RUN... --out docs/results.md` writes this page from run folders. [reference.md](reference.md#scores)
@@ -39,8 +37,8 @@ def make(paths: Iterable[Path]) -> str:
 
 
 def _driving(subjects: Sequence[RunData]) -> Iterator[str]:
-    units = [f"{column.label}, {column.unit}" if column.unit else column.label for column in SCORES]
-    yield from _head(("scenario", "weather", "driver", "seeds", "success, %", "collisions (at fault)", *units), 4)
+    headings = [metric.heading for metric in SCORES]
+    yield from _head(("scenario", "weather", "driver", "seeds", "success, %", "collisions (at fault)", *headings), 4)
     for subject in subjects:
         yield from (_line(_cells(row, subject.plan)) for row in subject.rows)
 
@@ -48,16 +46,16 @@ def _driving(subjects: Sequence[RunData]) -> Iterator[str]:
 def _cells(row: Row, plan: Plan) -> list[str]:
     found = driver_row(row)
     driver = found.driver if found.privileged == "none" else f"{found.driver}, knows the {found.privileged}"
-    share = f"{100.0 * row['success_rate']:.0f} ({found.successes} of {found.episodes})"
-    collisions = f"{row['collisions']} ({row['at_fault_collisions']})"
+    share = f"{text_of(SUCCESS, row[SUCCESS])} ({found.successes} of {found.episodes})"
+    collisions = f"{text_of(COLLISIONS, row[COLLISIONS])} ({text_of(AT_FAULT, row[AT_FAULT])})"
     success = _below(share, "; ".join(filter(None, (found.interval, found.endings))))
-    names = [shown(row["scenario"]), shown(row["weather"]), driver, _seeds(plan)]
+    names = [shown(row.scenario), shown(row.weather), driver, _seeds(plan)]
     return [*names, success, collisions, *_scores(row)]
 
 
 def _scores(row: Row) -> Iterator[str]:
-    for column in SCORES:
-        found = cell(row, column)
+    for metric in SCORES:
+        found = cell(row, metric)
         yield _below(f"({found.text})" if found.grey else found.text, found.interval)
 
 
@@ -80,7 +78,7 @@ def _perceived(subjects: Sequence[RunData]) -> Iterator[str]:
 def _runs(subjects: Sequence[RunData]) -> Iterator[str]:
     yield from _head(("seeds", "used for", "episodes driven", "vpf_sim", "sources", "commit"), 2)
     for subject in subjects:
-        made = subject.run.manifest["fingerprint"]
+        made = subject.run.manifest.fingerprint
         sources = str(made.get("source", NONE))
         driven = f"{len(subject.records)} of {len(subject.jobs)}"
         used = [_seeds(subject.plan), _purpose(subject.plan), driven]

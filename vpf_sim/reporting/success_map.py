@@ -5,8 +5,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from vpf_sim.evaluation.job import Job
-from vpf_sim.reporting.cells import Order, shown
-from vpf_sim.reporting.stored_run import Record
+from vpf_sim.evaluation.metrics.records import Record
+from vpf_sim.evaluation.metrics.registry import COMPLETION
+from vpf_sim.reporting.cells import Order, formatted, shown
 
 SIGNS = {
     "success": "✓",
@@ -39,7 +40,7 @@ class MapRow:
 
 def signs(jobs: Sequence[Job], records: Mapping[str, Record]) -> list[tuple[str, str, int]]:
     """(status, sign, count) of the statuses on the map."""
-    counts = Counter(records[job.id]["status"] if job.id in records else "missing" for job in jobs)
+    counts = Counter(records[job.id].status if job.id in records else "missing" for job in jobs)
     return [(status, sign, counts[status]) for status, sign in SIGNS.items() if status in counts]
 
 
@@ -56,7 +57,7 @@ def rows(jobs: Sequence[Job], records: Mapping[str, Record], order: Order) -> It
 
 
 def _mark(job: Job, record: Record | None) -> Mark:
-    status = record["status"] if record else "missing"
-    hit = f" with a {record['collided_with']}" if record and record.get("collided_with") else ""
-    came = f", {100.0 * record['route_completion']:.0f} % of the route" if record else ""
-    return job.seed, status, f"{job.id}: {status.replace('_', ' ')}{hit}{came}"
+    if record is None:
+        return job.seed, "missing", f"{job.id}: missing"
+    came = f"{formatted(record[COMPLETION], 0, percent=True)} % of the route"
+    return job.seed, record.status, f"{job.id}: {record.ending}, {came}"

@@ -3,27 +3,16 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
-from typing import Any
 
+from vpf_sim.evaluation.analysis.rows import Comparison, Row
+from vpf_sim.evaluation.analysis.statistics import Difference
 from vpf_sim.evaluation.analysis.summary import WIDTHS
-from vpf_sim.reporting.cells import NONE, Order, Row, at, formatted, interval_of, interval_text, shown
-from vpf_sim.reporting.stored_run import Record
+from vpf_sim.evaluation.metrics.metric import Metric
+from vpf_sim.evaluation.metrics.records import Record, Timing
+from vpf_sim.evaluation.metrics.registry import COMFORTABLE, PATH_MSE, SUCCESS, columns
+from vpf_sim.reporting.cells import NONE, Order, ends_of, formatted, interval_text, shown, text_of
 
-Labels = dict[str, tuple[str, int, bool]]  # key: label, digits, in percent
-PERCEPTION: Labels = {
-    "foe_median_error_px.distance": ("focus of expansion, median error, px", 2, False),
-    "foe_share": ("frames with one, %", 0, True),
-    "edge_error_10m_m.median": ("road edges 10 m ahead, median error, m", 3, False),
-    "edge_error_10m_m.p95": ("road edges, p95, m", 3, False),
-    "flow_median_error_px": ("flow, median error, px", 2, False),
-    "ttc_median_error": ("time to contact, median error, %", 0, True),
-}
-OBJECTS: Labels = {
-    "objects.first_confirmed_m": ("objects first confirmed at, m", 1, False),
-    "objects.recall": ("recall at the due distance, %", 0, True),
-    "objects.precision": ("precision, %", 1, True),
-    "objects.wrong_per_minute": ("false positives a minute", 2, False),
-}
+PERCEPTION, OBJECTS, COMPARED = (columns(table) for table in ("perception", "objects", "pairs"))
 STAGES = {  # column -> stages of timing.jsonl that it adds up
     "camera": ("render",),
     "flow": ("grey", "flow", "keyframe"),
@@ -47,13 +36,6 @@ COMFORT = {  # nuPlan's signals and bounds
 }
 REAL_TIME_HZ = 60.0
 MOST_DIGITS = 7  # of a difference
-COMPARED = {
-    "success_rate": ("success", 0, True),
-    "path_mse_m2": ("path MSE, m²", 3, False),
-    "accuracy.shadow.throttle.range": ("throttle, points", 1, True),
-    "accuracy.shadow.steering.range": ("steering, points", 1, True),
-    "driving_score_2_1": ("driving score", 2, False),
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,44 +56,42 @@ class Table:
     names: int
 
 
-def perception(rows: Sequence[Row], order: Order, labels: Labels) -> Table | None:
+def perception(rows: Sequence[Row], order: Order, metrics: Sequence[Metric]) -> Table | None:
     """Perception metrics of drivers that expose their plan, one row per cell."""
-    shown_plan = [row for row in sorted(rows, key=order.place) if _perceived(row, "foe_median_error_px")]
-    scored_rows = [row for row in shown_plan if any(_perceived(row, key) is not None for key in labels)]
-    keys = [key for key in labels if any(_perceived(row, key) is not None for row in scored_rows)]
-    lines = tuple(
-        (*names(row), *(score(row, f"perception.{key}", *labels[key][1:]) for key in keys)) for row in scored_rows
-    )
-    header = ("scenario", "weather", "driver", *(labels[key][0] for key in keys))
+    perceived = [row for row in order.sorted(rows) if _has_foe(row)]
+    scored = [row for row in perceived if any(row.scored.get(metric.key) is not None for metric in metrics)]
+    found = [metric for metric in metrics if any(row.scored.get(metric.key) is not None for row in scored)]
+    lines = tuple((*names(row), *(score(row, metric) for metric in found)) for row in scored)
+    header = ("scenario", "weather", "driver", *(metric.heading for metric in found))
     return Table(header, lines, 3) if lines else None
 
 
-def _perceived(row: Row, key: str) -> Any:
-    return at(scored(row), f"perception.{key}")
+def _has_foe(row: Row) -> bool:
+    return row.scored.get("perception.foe_median_error_px.distance") is not None
 
 
-def score(row: Row, key: str, digits: int, percent: bool) -> Value:
+def score(row: Row, metric: Metric) -> Value:
     """The mean of the successful episodes with its interval, or else that of the others in brackets."""
-    value = at(scored(row), key)
-    text = formatted(value, digits, percent)
-    if value is None or row["successes"]:
-        return Value(text, interval_text(interval_of(row, key), digits, percent), value)
+    value = row.scored.get(metric.key)
+    text = text_of(metric, value)
+    if value is None or row.successes:
+        return Value(text, ends_of(metric, row), value)
     return Value(f"({text})", value=value)
 
 
 def seeds_needed(rows: Sequence[Row], order: Order) -> Table | None:
     """Number of seeds for intervals of WIDTHS, one row per cell."""
-    found = [row for row in sorted(rows, key=order.place) if row.get("seeds_needed")]
-    lines = tuple((*names(row), Value(str(row["episodes"])), *_needed(row)) for row in found)
-    success = f"for success within {100.0 * WIDTHS['success_rate']:g} points"
-    path_mse = f"for path MSE within {WIDTHS['path_mse_m2']:g} m² (successful seeds)"
+    found = [row for row in order.sorted(rows) if row.seeds_needed]
+    lines = tuple((*names(row), Value(str(row.episodes)), *_needed(row)) for row in found)
+    success = f"for success within {100.0 * WIDTHS[SUCCESS.row_key]:g} points"
+    path_mse = f"for path MSE within {WIDTHS[PATH_MSE.row_key]:g} m² (successful seeds)"
     header = ("scenario", "weather", "driver", "seeds so far", success, path_mse)
     return Table(header, lines, 3) if lines else None
 
 
 def _needed(row: Row) -> Iterator[Value]:
-    for key in ("success_rate", "path_mse_m2"):
-        count = row["seeds_needed"].get(key)
+    for metric in (SUCCESS, PATH_MSE):
+        count = row.seeds_needed.get(metric.row_key)
         yield Value(NONE if count is None else str(count), value=count)
 
 
@@ -119,16 +99,16 @@ def comfort(records: Sequence[Record], order: Order) -> Table | None:
     """The share of each driver's successful episodes inside each of nuPlan's bounds."""
     lines = []
     for driver in order.drivers:
-        found = [r["comfort"] for r in records if r["driver"] == driver and r["status"] == "success" and r["comfort"]]
+        found = [one for one in records if one.driver == driver and one.succeeded and one[COMFORTABLE] is not None]
         if not found:
             continue
-        shares = [_inside([at(one, f"signals.{key}.within") for one in found]) for key in COMFORT]
-        lines.append((Value(driver), *shares, _inside([one.get("comfortable") for one in found])))
+        shares = [_inside([one.scores.get(f"comfort.signals.{key}.within") for one in found]) for key in COMFORT]
+        lines.append((Value(driver), *shares, _inside([one[COMFORTABLE] for one in found])))
     header = ("driver", *(f"{label} {bound}" for label, bound in COMFORT.values()), "all")
     return Table(header, tuple(lines), 1) if lines else None
 
 
-def compute(timing: Mapping[str, dict[str, Any]], records: Sequence[Record], order: Order) -> Table | None:
+def compute(timing: Mapping[str, Timing], records: Sequence[Record], order: Order) -> Table | None:
     """Wall times by driver and weather."""
     lines = [
         (Value(driver), Value(shown(weather)), *_rates(times), *_stages(times))
@@ -136,67 +116,56 @@ def compute(timing: Mapping[str, dict[str, Any]], records: Sequence[Record], ord
         for weather in order.weathers
         if (times := _timed(timing, records, driver, weather))
     ]
-    staged = [f"{name}, ms" for name in STAGES] if any("stages_ms" in time for time in timing.values()) else []
+    staged = [f"{name}, ms" for name in STAGES] if any(time.stages_ms for time in timing.values()) else []
     columns = ("steps a second", "times real time", "s an episode", "retries", *staged)
     lines = [line[: 2 + len(columns)] for line in lines]
     return Table(("driver", "weather", *columns), tuple(lines), 2) if lines else None
 
 
-def _timed(
-    timing: Mapping[str, dict[str, Any]], records: Sequence[Record], driver: str, weather: str
-) -> list[dict[str, Any]]:
-    ids = [record["id"] for record in records if (record["driver"], record["weather"]) == (driver, weather)]
+def _timed(timing: Mapping[str, Timing], records: Sequence[Record], driver: str, weather: str) -> list[Timing]:
+    ids = [record.id for record in records if (record.driver, record.weather) == (driver, weather)]
     there = [timing[key] for key in ids if key in timing]
-    return [time for time in there if time.get("steps_per_s") and time.get("wall_s")]
+    return [time for time in there if time.steps_per_s and time.wall_s]
 
 
-def _rates(times: Sequence[dict[str, Any]]) -> tuple[Value, ...]:
-    rate = median(time["steps_per_s"] for time in times)
+def _rates(times: Sequence[Timing]) -> tuple[Value, ...]:
+    rate = median(time.steps_per_s or 0.0 for time in times)
     return (
         Value(formatted(rate, 0), value=rate),
         Value(formatted(rate / REAL_TIME_HZ, 2)),
-        Value(formatted(median(time["wall_s"] for time in times), 1)),
-        Value(str(sum(time.get("retries", 0) for time in times))),
+        Value(formatted(median(time.wall_s or 0.0 for time in times), 1)),
+        Value(str(sum(time.retries for time in times))),
     )
 
 
-def _stages(times: Sequence[dict[str, Any]]) -> Iterator[Value]:
+def _stages(times: Sequence[Timing]) -> Iterator[Value]:
     """Median time per step of each group of stages."""
     for parts in STAGES.values():
-        found = [[time.get("stages_ms", {}).get(part) for part in parts] for time in times]
+        found = [[time.stages_ms.get(part) for part in parts] for time in times]
         sums = [sum(value for value in values if value is not None) for values in found if any(values)]
         yield Value(formatted(median(sums), 2) if sums else NONE)
 
 
-def comparisons(found: Sequence[dict[str, Any]], of: str, order: Order) -> Table | None:
+def comparisons(found: Sequence[Comparison], of: str, order: Order) -> Table | None:
     """Paired differences of weathers or of drivers."""
-    lines = []
+    lines, kept = [], "driver" if of == "weather" else "weather"
     for one in sorted(found, key=order.place):
-        if one["of"] == of:
-            who = Value(f"{shown(one[of])} − {shown(one['minus'])}")
-            where = (Value(shown(one["scenario"])), Value(shown(one["driver" if of == "weather" else "weather"])))
-            lines.append((who, *where, *(_difference(one, key) for key in COMPARED)))
-    header = (
-        "what",
-        "scenario",
-        "driver" if of == "weather" else "weather",
-        *(label for label, *_ in COMPARED.values()),
-    )
-    return Table(header, tuple(lines), 3) if lines else None
+        if one.of == of:
+            who = Value(f"{shown(getattr(one.cell, of))} − {shown(one.minus)}")
+            where = (Value(shown(one.cell.scenario)), Value(shown(getattr(one.cell, kept))))
+            lines.append((who, *where, *(_difference(one.differences.get(key.key), key) for key in COMPARED)))
+    return Table(("what", "scenario", kept, *(one.heading for one in COMPARED)), tuple(lines), 3) if lines else None
 
 
-def _difference(one: dict[str, Any], key: str) -> Value:
-    """The cell of a difference; `compare` uses dotted keys."""
-    _, digits, percent = COMPARED[key]
-    found = one.get(key)
-    if not found:
+def _difference(found: Difference | None, metric: Metric) -> Value:
+    """The cell of a difference."""
+    if found is None:
         return Value(NONE)
-    value = float(found["difference"])
-    digits = _digits(value, digits, percent)
+    value, percent = found.difference, metric.percent
+    digits = _digits(value, metric.digits, percent)
     sign = "+" if float(f"{100.0 * value if percent else value:.{digits}f}") > 0.0 else ""
-    ends = found.get("interval")
-    beside = [interval_text((ends[0], ends[1]), digits, percent)] if ends else []
-    beside.append(f"p {_probability(found['p'])}, n {found['pairs']}")
+    beside = [interval_text(found.interval, digits, percent)] if found.interval else []
+    beside.append(f"p {_probability(found.p)}, n {found.pairs}")
     return Value(sign + formatted(value, digits, percent), "\n".join(beside), value)
 
 
@@ -210,19 +179,13 @@ def _probability(p: float) -> str:
     return "< 0.001" if p < 0.001 else f"{p:.3f}" if p < 0.1 else f"{p:.2f}"
 
 
-def _inside(within: Sequence[bool | None]) -> Value:
+def _inside(within: Sequence[float | None]) -> Value:
     known = [value for value in within if value is not None]
     if not known:
         return Value(NONE)
-    return Value(formatted(sum(known) / len(known), 0, True) + " %", f"{sum(known)} of {len(known)}")
+    return Value(formatted(sum(known) / len(known), 0, True) + " %", f"{sum(known):.0f} of {len(known)}")
 
 
 def names(row: Row) -> tuple[Value, Value, Value]:
     """Scenario, weather and driver as the first columns."""
-    return Value(shown(row["scenario"])), Value(shown(row["weather"])), Value(row["driver"])
-
-
-def scored(row: Row) -> Row:
-    """The scores of a row: of the successful episodes, or else of the others."""
-    found: Row = row if row["successes"] else row.get("unsuccessful") or {}
-    return found
+    return Value(shown(row.scenario)), Value(shown(row.weather)), Value(row.driver)

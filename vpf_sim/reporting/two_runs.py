@@ -3,49 +3,29 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.analysis.comparisons import succeeded, value_at
+from vpf_sim.evaluation.analysis.rows import as_json
 from vpf_sim.evaluation.analysis.statistics import LEVEL, Difference, paired_difference, paired_shares
 from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.metrics.metric import Metric
+from vpf_sim.evaluation.metrics.records import Record
+from vpf_sim.evaluation.metrics.registry import SUCCESS, columns
+from vpf_sim.evaluation.scores import Json
 from vpf_sim.reporting.answer import title
 from vpf_sim.reporting.cells import shown
 from vpf_sim.reporting.run_data import RunData
-from vpf_sim.reporting.stored_run import Record, open_run
+from vpf_sim.reporting.stored_run import open_run
 
 Verdict = Literal["better", "worse", "same", "undecided"]
 Cell = tuple[str, str, str]  # scenario, weather, driver
 
 
-class Score(NamedTuple):
-    """A score of a record; `sign` is + where more is better, `of_all` whether failures have it."""
-
-    label: str
-    digits: int
-    percent: bool
-    sign: int
-    of_all: bool = False
-
-
-SUCCESS, AGAINST = "success_rate", " against "
-SCORES = {
-    SUCCESS: Score("reached the goal, %", 0, True, 1, of_all=True),
-    "route_completion": Score("route completed, %", 1, True, 1, of_all=True),
-    "driving_score_2_1": Score("driving score", 2, False, 1, of_all=True),
-    "path_mse_m2": Score("path MSE, m²", 3, False, -1),
-    "min_clearance_m": Score("least clearance, m", 2, False, 1),
-    "comfort.comfortable": Score("comfortable, %", 0, True, 1),
-    "chattering.steering.direction_changes_per_s": Score("steering reversals, 1/s", 1, False, -1),
-    "accuracy.shadow.throttle.range": Score("throttle accuracy, %", 1, True, 1),
-    "accuracy.shadow.steering.range": Score("steering accuracy, %", 1, True, 1),
-    "perception.foe_median_error_px.distance": Score("focus of expansion, error, px", 2, False, -1),
-    "perception.edge_error_10m_m.median": Score("road edges, error, m", 3, False, -1),
-    "perception.objects.recall": Score("obstacles, recall, %", 0, True, 1),
-    "perception.objects.precision": Score("obstacles, precision, %", 1, True, 1),
-}
+AGAINST = " against "
+SCORES = {metric.key: metric for metric in columns("two runs")}
 
 
 class Pair(NamedTuple):
@@ -57,7 +37,7 @@ class Pair(NamedTuple):
     @property
     def changed(self) -> bool:
         """Whether only one of them reached the goal."""
-        return succeeded(self.records[0]) != succeeded(self.records[1])
+        return self.records[0].succeeded != self.records[1].succeeded
 
 
 class Compared(NamedTuple):
@@ -112,7 +92,7 @@ class TwoRuns:
         """The numbers of planned episodes of A and of B that have no partner."""
         return len(self.a.jobs) - len(self.pairs), len(self.b.jobs) - len(self.pairs)
 
-    def as_json(self) -> dict[str, Any]:
+    def as_json(self) -> Json:
         """The comparison as data."""
         return {
             "runs": [str(one.run.path) for one in (self.a, self.b)],
@@ -125,7 +105,7 @@ class TwoRuns:
                 for cell, pairs in self.cells().items()
             ],
             "changed": [
-                {"ids": [job.id for job in pair.jobs], "statuses": [str(record["status"]) for record in pair.records]}
+                {"ids": [job.id for job in pair.jobs], "statuses": [record.status for record in pair.records]}
                 for pair in self.pairs
                 if pair.changed
             ],
@@ -141,31 +121,30 @@ def open_two(a: Path, b: Path) -> TwoRuns:
 
 def compared(pairs: Sequence[Pair]) -> dict[str, Compared]:
     """The scores that pairs have, by key: success over all, others where both reached the goal or were driven."""
-    found = {key: _compare(pairs, key, score) for key, score in SCORES.items()}
+    found = {key: _compare(pairs, metric) for key, metric in SCORES.items()}
     return {key: one for key, one in found.items() if one is not None}
 
 
-def _compare(pairs: Iterable[Pair], key: str, score: Score) -> Compared | None:
-    if key == SUCCESS:
-        values = np.array([[succeeded(record) for record in pair.records] for pair in pairs], float)
+def _compare(pairs: Sequence[Pair], metric: Metric) -> Compared | None:
+    if metric is SUCCESS:
+        values = np.array([[record.succeeded for record in pair.records] for pair in pairs], float)
         difference = paired_shares(values[:, 1] > 0.0, values[:, 0] > 0.0)
     else:
-        values = np.array([*_values(pairs, key, score.of_all)], float).reshape(-1, 2)
+        values = np.array([*_values(pairs, metric)], float).reshape(-1, 2)
         found = paired_difference(values[:, 1], values[:, 0])
         if found is None:
             return None
         difference = found
     a, b = np.mean(values, axis=0).tolist()
-    return Compared(a, b, difference, verdict(difference, score.sign))
+    return Compared(a, b, difference, verdict(difference, metric.sign))
 
 
-def _values(pairs: Iterable[Pair], key: str, of_all: bool) -> Iterable[tuple[float, float]]:
+def _values(pairs: Iterable[Pair], metric: Metric) -> Iterable[tuple[float, float]]:
     for one, other in (pair.records for pair in pairs):
-        if not (of_all or (succeeded(one) and succeeded(other))):
-            continue
-        before, after = value_at(one, key), value_at(other, key)
-        if before is not None and after is not None:
-            yield before, after
+        if metric.over == "driven" or (one.succeeded and other.succeeded):
+            before, after = one[metric], other[metric]
+            if before is not None and after is not None:
+                yield before, after
 
 
 def verdict(found: Difference, sign: int) -> Verdict:
@@ -190,7 +169,7 @@ def _changed_worlds(a: RunData, b: RunData) -> set[str]:
     """Scenarios and weathers that both runs name, and that differ."""
     found = set()
     for kind in ("scenarios", "weathers"):
-        ours, theirs = (one.run.manifest[kind] for one in (a, b))
+        ours, theirs = (one.run.manifest.hashes(kind) for one in (a, b))
         found |= {name for name in ours.keys() & theirs.keys() if ours[name] != theirs[name]}
     return found
 
@@ -212,14 +191,7 @@ def _nothing_shared(a: RunData, b: RunData, worlds: set[str]) -> str:
     return f"report: expected an episode that both runs have driven, got none: {plans}; {driven}{where}"
 
 
-def _as_json(found: dict[str, Compared]) -> dict[str, Any]:
+def _as_json(found: dict[str, Compared]) -> Json:
     return {
-        key: {
-            "a": one.a,
-            "b": one.b,
-            **one.difference._asdict(),
-            "interval": one.difference.interval and list(one.difference.interval),
-            "verdict": one.verdict,
-        }
-        for key, one in found.items()
+        key: {"a": one.a, "b": one.b, **as_json(one.difference), "verdict": one.verdict} for key, one in found.items()
     }

@@ -5,23 +5,30 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vpf_sim.evaluation.analysis.comparisons import compare, value_at
+from vpf_sim.evaluation.analysis.comparisons import compare
 from vpf_sim.evaluation.analysis.statistics import paired_difference, paired_shares
+from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.metrics.records import Record
+from vpf_sim.evaluation.metrics.scoring import failed
 from vpf_sim.evaluation.sweeps.plan import Plan
 
 WEATHERS, DRIVERS = ("clear", "rain"), ("pid", "vpf")
 
 
-def record(status: str, mse: float | None, score: float = 1.0) -> dict[str, Any]:
-    shadow = {"throttle": {"range": 0.8}, "steering": {"range": None}}
-    scores = {"route_completion": score, "driving_score_2_0": score, "driving_score_2_1": score}
-    return {"status": status, "path_mse_m2": mse, "min_clearance_m": None, "accuracy": {"shadow": shadow}, **scores}
+def record(status: str, mse: float | None, score: float = 1.0) -> Record:
+    """A record of any episode, whose names do not matter."""
+    scores = {
+        "path_mse_m2": mse,
+        **dict.fromkeys(("route_completion", "driving_score_2_0", "driving_score_2_1"), score),
+    }
+    accuracy = {"accuracy.shadow.throttle.range": 0.8, "accuracy.shadow.steering.range": None}
+    return failed(Job("a", "rain", "pid", 0), status).model_copy(update={"scores": {**scores, **accuracy}})
 
 
-def compared(records: dict[str, dict[str, Any]], weathers: Any = WEATHERS, drivers: Any = DRIVERS) -> dict[str, Any]:
+def compared(records: dict[str, Record], weathers: Any = WEATHERS, drivers: Any = DRIVERS) -> dict[str, Any]:
     """Comparisons of a grid of 5 seeds by "weather driver - other"."""
     found = compare(Plan(("a",), weathers, drivers, "0:5").jobs(), records)
-    return {f"{row['weather']} {row['driver']} - {row['minus']}": row for row in found}
+    return {f"{one.cell.weather} {one.cell.driver} - {one.minus}": one.as_json() for one in found}
 
 
 def test_rain_is_compared_with_clear_and_drivers_with_the_pid() -> None:
@@ -68,9 +75,3 @@ def test_a_run_without_records_has_no_differences() -> None:
     assert row["path_mse_m2"] is None
     assert row["success_rate"]["difference"] == 0.0
     assert row["success_rate"]["pairs"] == 5
-
-
-def test_a_value_at_a_path() -> None:
-    assert value_at({"a": {"b": 1}}, "a.b") == 1.0
-    assert value_at({"a": None}, "a.b") is None
-    assert value_at({}, "a") is None

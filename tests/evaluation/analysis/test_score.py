@@ -14,14 +14,15 @@ from vpf_sim import cli
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import parquet, steps
 from vpf_sim.evaluation.analysis import rescore
-from vpf_sim.evaluation.analysis.benchmark import with_paper
 from vpf_sim.evaluation.analysis.summary import summarize
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics import driving_score, records
+from vpf_sim.evaluation.metrics import driving_score, scoring
+from vpf_sim.evaluation.metrics.records import Timing
 from vpf_sim.evaluation.sweeps.json_lines import read_lines
+from vpf_sim.evaluation.sweeps.manifest import Manifest, read_manifest
 from vpf_sim.evaluation.sweeps.plan import Plan
-from vpf_sim.evaluation.sweeps.run_folder import RunFolder, manifest
+from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 
 
 @pytest.fixture(scope="module")
@@ -29,14 +30,14 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of two drivers and two seeds, one of whose episodes ended by a worker's death."""
     root = tmp_path_factory.mktemp("score")
     plan = Plan((str(write_short(root)),), ("clear",), ("pid", "neutral"), "3:5")
-    folder = RunFolder(root / "run", manifest("sweep", plan))
+    folder = RunFolder(root / "run", Manifest.of("sweep", plan))
     *jobs, lost = plan.jobs()
     for job in jobs:
         result = episode.run(*job)
         steps.write(result.steps, folder.path / "steps" / f"{job.id}.parquet")
         folder.add(result.record, result.timing)
-    folder.add(records.failed(lost), {"id": lost.id})
-    folder.write_json("summary.json", with_paper(summarize(plan.jobs(), folder.records())))
+    folder.add(scoring.failed(lost), Timing(id=lost.id))
+    folder.write_json("summary.json", summarize(plan.jobs(), folder.records()).as_json())
     folder.close()
     return folder.path
 
@@ -107,7 +108,7 @@ def test_an_unfinished_run_has_no_summary(run: Path) -> None:
     (run / "episodes.jsonl").write_text("".join(lines[:2]) + '{"id": "torn')
     found = rescore.rescore(run)
     assert (len(found.records), found.planned) == (2, 4)
-    assert [row["episodes"] for row in found.summary["rows"]] == [2, 2]
+    assert [row.episodes for row in found.summary.rows] == [2, 2]
     assert not (run / "summary.json").exists()
 
 
@@ -185,8 +186,7 @@ def test_an_incomplete_or_foreign_folder_is_one_clear_line(
 
 
 def test_a_running_sweep_is_not_rescored(run: Path) -> None:
-    asked = json.loads((run / "manifest.json").read_text())
-    folder = RunFolder(run, asked, resume=True)
+    folder = RunFolder(run, read_manifest(run), resume=True)
     with pytest.raises(InputError, match="in use by another run"):
         rescore.rescore(run)
     folder.close()
@@ -203,6 +203,6 @@ def test_the_route_is_that_of_the_seed() -> None:
     table = steps.StepTable.of(
         [steps.Step(s, *at, 0.0, 1.0, 0.0, s, 0.0, np.inf) for s, *at in zip(along, x, y, strict=True)]
     )
-    record = rescore.score(Job("random", "clear", "pid", 8), rescore.Outcome("timeout", table, None, ""))
+    record = rescore.score(Job("random", "clear", "pid", 8), rescore.Outcome("timeout", table, None, "")).as_json()
     assert record["path_mse_m2"] == pytest.approx(0.0, abs=1e-12)
     assert record["route_completion"] == pytest.approx(along[-1] / env.route_length_m)

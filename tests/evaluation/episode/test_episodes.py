@@ -21,7 +21,7 @@ PAPER_MSE_M2 = {"town04-clean": 0.42, "town04": 0.74}
 
 
 def drive(scenario: str, driver: str, seed: int) -> dict[str, Any]:
-    return episode.run(scenario, "clear", driver, seed).record
+    return episode.run(scenario, "clear", driver, seed).record.as_json()
 
 
 @pytest.mark.parametrize("scenario", ["town04-clean", pytest.param("heading-30", marks=pytest.mark.slow)])
@@ -40,11 +40,11 @@ def test_a_driver_without_a_camera_drives_the_same_without_rendering(driver: str
     frames: list[Image] = []
     alone, watched = episode.run(*job), episode.run(*job, watch=lambda image, _: frames.append(image))
     assert alone.record == watched.record
-    assert alone.record["frames_sha256"] is None
+    assert alone.record.frames_sha256 is None
     assert np.array_equal(alone.steps.rows, watched.steps.rows, equal_nan=True)
     assert [frame.shape for frame in frames] == (len(alone.steps)) * [(480, 640, 3)]
-    assert "render" in watched.timing["stages_ms"]
-    assert "render" not in alone.timing["stages_ms"]
+    assert "render" in watched.timing.stages_ms
+    assert "render" not in alone.timing.stages_ms
 
 
 def test_no_environment_outlives_its_episode(tmp_path: Path) -> None:

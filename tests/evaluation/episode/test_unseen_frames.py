@@ -140,6 +140,6 @@ def test_a_watched_drive_has_the_same_record(tmp_path: Path) -> None:
     alone = episode.run(str(path), "rain", "vpf", 3)
     watched = episode.run(str(path), "rain", "vpf", 3, watch=lambda image, _: shown.append(image))
     assert watched.record == alone.record
-    assert len(shown) == alone.record["steps"]
+    assert len(shown) == alone.record.steps
     assert all(image.shape != NO_FRAME.shape for image in shown)
     assert np.flatnonzero(alone.steps.looked).tolist() == list(range(0, len(shown), 3))

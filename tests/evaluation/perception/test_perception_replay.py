@@ -17,8 +17,9 @@ from vpf_sim.evaluation.episode.pose_playback import PosePlayback
 from vpf_sim.evaluation.perception import poses, replay, scores, store
 from vpf_sim.evaluation.perception.scorer import SCORED_COLUMNS, DriveEvaluation
 from vpf_sim.evaluation.steps import Step, StepTable
+from vpf_sim.evaluation.sweeps.manifest import Manifest
 from vpf_sim.evaluation.sweeps.plan import Plan
-from vpf_sim.evaluation.sweeps.run_folder import RunFolder, manifest
+from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 from vpf_sim.types import Command, DriverSetup, Observation, Perception
 from vpf_sim.types import Plan as DrivingPlan
 
@@ -43,7 +44,7 @@ def run(tmp_path_factory: pytest.TempPathFactory, plans: list[DrivingPlan]) -> P
     root = tmp_path_factory.mktemp("perception")
     (root / "short.toml").write_text(WORLD)
     plan = Plan((str(root / "short.toml"),), ("rain",), ("vpf",), "3:4")
-    folder = RunFolder(root / "run", manifest("sweep", plan))
+    folder = RunFolder(root / "run", Manifest.of("sweep", plan))
     (job,) = plan.jobs()
     result = episode.run(*job, watch=lambda _, plan: plans.append(plan) if plan else None)
     steps.write(result.steps, folder.path / "steps" / f"{job.id}.parquet")
@@ -75,7 +76,7 @@ def same(first: Any, second: Any) -> bool:
 
 def test_the_runs_own_driver_perceives_the_same_again(drive: replay.StoredDrive, plans: list[DrivingPlan]) -> None:
     table, again = drive.steps(), list[Perception]()
-    with closing(PosePlayback(drive.record["scenario"], "rain", table, truth=("foe",))) as world:
+    with closing(PosePlayback(drive.record.scenario, "rain", table, truth=("foe",))) as world:
         replay.perceive_drive(world, table, 3, {"vpf": drivers.create("vpf")}, lambda _, seen, __: again.extend(seen))
     assert len(again) == len(plans) == len(table) > 50
     assert all(same(seen, plan.perception) for seen, plan in zip(again, plans, strict=True))
@@ -146,7 +147,7 @@ class Silent(Acts):
 
 def short(drive: replay.StoredDrive, folder: Path, rows: int = 4) -> replay.StoredDrive:
     """The first rows of a drive, as an episode of another folder."""
-    steps.write(StepTable(drive.steps().rows[:rows]), folder / "steps" / f"{drive.record['id']}.parquet")
+    steps.write(StepTable(drive.steps().rows[:rows]), folder / "steps" / f"{drive.record.id}.parquet")
     return drive._replace(folder=folder)
 
 
@@ -176,7 +177,7 @@ def test_a_driver_without_perception_is_refused_in_one_line(
 def test_a_deviating_car_is_moved_to_the_stored_pose(drive: replay.StoredDrive, tmp_path: Path) -> None:
     rows = drive.steps().rows[:5].copy()
     rows[2:, Step._fields.index("y_m")] += 0.5
-    steps.write(StepTable(rows), tmp_path / "steps" / f"{drive.record['id']}.parquet")
+    steps.write(StepTable(rows), tmp_path / "steps" / f"{drive.record.id}.parquet")
     (found,) = replay.evaluate(("vpf",), drive._replace(folder=tmp_path))
     assert found.remarks == ("the car would now deviate by up to 0.50 m; its stored poses are used",)
 
@@ -194,17 +195,17 @@ def test_the_command_scores_stores_and_compares(
     assert cli.run(command) == 0
     said = capsys.readouterr()
     told = json.loads(said.out)
-    assert said.err == f"1/1 {drive.record['id']}\n"
+    assert said.err == f"1/1 {drive.record.id}\n"
     (record,) = told["records"]
-    objects = drive.record["perception"]["objects"]
+    objects = drive.record.as_json()["perception"]["objects"]
     assert (record["drive"], record["driver"], record["states_sha256"]) == (
-        drive.record["id"],
+        drive.record.id,
         "vpf",
-        drive.record["states_sha256"],
+        drive.record.states_sha256,
     )
     assert record["precision"] == objects["precision"]
     assert record["false_positives_per_minute"] == objects["wrong_per_minute"]
-    assert record["edge_error_m"]["median"] == drive.record["perception"]["edge_error_10m_m"]["median"]
+    assert record["edge_error_m"]["median"] == drive.record.scores["perception.edge_error_10m_m.median"]
     (difference,) = told["differences"]
     assert difference["lane_error_m"]["difference"] == 0.0
     assert store.read(out).rows == store.read(run).rows
@@ -252,7 +253,7 @@ def test_the_fixed_set_is_driven_once(
     (folder,) = (tmp_path / "runs").iterdir()
     assert lines[0][0] == f"driving the 1 drives of the fixed set once: runs/{folder.name}"
     assert lines[1] == lines[0][-1:], "the second time nothing is driven"
-    assert [drive.record["status"] for drive in poses.stored_drives([folder])] == ["success"]
+    assert [drive.record.status for drive in poses.stored_drives([folder])] == ["success"]
 
 
 def test_a_run_without_steps_or_with_changed_scenarios_is_refused(run: Path, tmp_path: Path) -> None:

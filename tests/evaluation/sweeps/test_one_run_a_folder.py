@@ -11,6 +11,7 @@ import pytest
 from vpf_sim import system
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.sweeps import run_folder
+from vpf_sim.evaluation.sweeps.manifest import Manifest
 from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, RunFolder, located
 from vpf_sim.replay import replay_folder
 from vpf_sim.replay.replay_folder import ReplayFolder
@@ -31,21 +32,22 @@ def test_of_two_runs_that_begin_at_once_one_is_refused(
 ) -> None:
     """The other begins after this one found the folder empty, and before it locks it."""
     lock, other = module.locked, {**ASKED, "plan": {"driver": "other"}, "drivers": {}, "recordings": {}}
+    first, second = (Manifest.model_validate(one) if kind is RunFolder else one for one in (ASKED, other))
 
     def late(path: Path) -> Any:
         monkeypatch.setattr(module, "locked", lock)
-        kind(path, other).close()
+        kind(path, second).close()
         return lock(path)
 
     monkeypatch.setattr(module, "locked", late)
     with pytest.raises(InputError, match="expected an empty or new"):
-        kind(tmp_path / "run", ASKED)
+        kind(tmp_path / "run", first)
     assert json.loads((tmp_path / "run" / MANIFEST).read_text("utf-8"))["plan"] == other["plan"]
-    kind(tmp_path / "run", other, resume=True).close()
+    kind(tmp_path / "run", second, resume=True).close()
 
 
 def test_a_folder_is_locked_until_its_files_are_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    folder, unlink, removed = RunFolder(tmp_path / "run", ASKED), Path.unlink, []
+    folder, unlink, removed = RunFolder(tmp_path / "run", Manifest.model_validate(ASKED)), Path.unlink, []
 
     def watched(path: Path, missing_ok: bool = False) -> None:
         if path.parent == folder.path and path.exists():
@@ -62,7 +64,7 @@ def test_a_folder_is_locked_until_its_files_are_removed(tmp_path: Path, monkeypa
 
 def test_on_windows_a_folder_is_removed_as_well(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It removes no file that is open, as the lock is while it is held."""
-    folder, unlink = RunFolder(tmp_path / "run", ASKED), Path.unlink
+    folder, unlink = RunFolder(tmp_path / "run", Manifest.model_validate(ASKED)), Path.unlink
 
     def refused(path: Path, missing_ok: bool = False) -> None:
         if path.name == run_folder.LOCK:
@@ -84,9 +86,9 @@ def test_a_lock_with_content_is_no_file_of_the_user(lock: Any, tmp_path: Path, m
     monkeypatch.setattr(run_folder, "FileLock", lock)
     if lock is filelock.FileLock:
         (tmp_path / ".lock").write_text("4194304\nsome-host\n")
-    folder = RunFolder(tmp_path, ASKED)
+    folder = RunFolder(tmp_path, Manifest.model_validate(ASKED))
     with pytest.raises(InputError, match="in use by another run"):
-        RunFolder(tmp_path, ASKED, resume=True)
+        RunFolder(tmp_path, Manifest.model_validate(ASKED), resume=True)
     folder.discard(keep_folder=True)
     assert list(tmp_path.iterdir()) == []
 
@@ -101,14 +103,14 @@ def test_a_run_that_cannot_begin_leaves_the_folder_unlocked(
     with monkeypatch.context() as patched:
         patched.setattr(run_folder, "write_json", refuse)
         with pytest.raises(type(fault)) as caught:
-            RunFolder(tmp_path / "run", ASKED)
+            RunFolder(tmp_path / "run", Manifest.model_validate(ASKED))
     assert caught.value.__traceback__ is not None, "whose frames keep the folder alive, as in a notebook"
-    RunFolder(tmp_path / "run", ASKED).close()
+    RunFolder(tmp_path / "run", Manifest.model_validate(ASKED)).close()
 
 
 def test_a_run_that_is_removed_meanwhile_is_not_the_latest(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("a", "b"):
-        RunFolder(tmp_path / name, ASKED).close()
+        RunFolder(tmp_path / name, Manifest.model_validate(ASKED)).close()
     exists = Path.exists
 
     def removing(path: Path, **options: bool) -> bool:

@@ -46,7 +46,7 @@ def elsewhere(driven: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
 
 def test_a_video_is_that_of_the_run(elsewhere: Path, capsys: pytest.CaptureFixture[str]) -> None:
     names = list(open_run(elsewhere).records)
-    assert {one["driver"] for one in open_run(elsewhere).records.values()} == DRIVERS
+    assert {one.driver for one in open_run(elsewhere).records.values()} == DRIVERS
     for name in names:
         assert cli.run(["video", str(elsewhere), "--id", name]) == 0
         said = capsys.readouterr().err

@@ -17,11 +17,15 @@ from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.episode.episode import roll_out
 from vpf_sim.evaluation.episode.paired import PidRun, matched
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics import records
+from vpf_sim.evaluation.metrics import scoring
+from vpf_sim.evaluation.metrics.records import Timing
 from vpf_sim.evaluation.outcome import Outcome
+from vpf_sim.evaluation.scores import finite
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
+from vpf_sim.evaluation.sweeps.manifest import Manifest
 from vpf_sim.evaluation.sweeps.run_folder import RunFolder, new_path
+from vpf_sim.types import Floats
 
 JOB = Job("town04", "clear", "vpf", 7)
 KEYS = {
@@ -47,9 +51,21 @@ def outcome(driver: Constant, **changes: Any) -> Outcome:
     return replace(driven, steps=matched(driven.steps, PID_RUN)) if len(driven.steps) else driven
 
 
+def scored(driven: Outcome, route: Floats, route_length_m: float) -> Any:
+    return scoring.score(JOB, driven, route, route_length_m).as_json()
+
+
+def failed() -> Any:
+    return scoring.failed(JOB).as_json()
+
+
+def asked(**changes: Any) -> Manifest:
+    return Manifest.model_validate({**ASKED, **changes})
+
+
 def score(driver: Constant, **changes: Any) -> dict[str, Any]:
     world = TinyWorld()
-    return records.score(JOB, outcome(driver, **changes), world.route, world.route_length_m)
+    return scored(outcome(driver, **changes), world.route, world.route_length_m)
 
 
 def test_a_record_of_a_drive_that_is_known_in_closed_form() -> None:
@@ -70,7 +86,7 @@ def test_a_record_of_a_drive_that_is_known_in_closed_form() -> None:
 def test_the_path_is_scored_by_part() -> None:
     driven = outcome(Constant(1.0, 0.1))
     table = driven.steps.replaced({"passing": np.arange(11) >= 6})
-    record = records.score(JOB, replace(driven, steps=table), TinyWorld().route, 10.0)
+    record = scored(replace(driven, steps=table), TinyWorld().route, 10.0)
     offsets = 0.1 * np.arange(11.0)
     parts = {"clear_of_obstacles": np.mean(offsets[:6] ** 2), "passing": np.mean(offsets[6:] ** 2)}
     assert record["path_mse_parts_m2"] == pytest.approx(parts)
@@ -78,14 +94,14 @@ def test_the_path_is_scored_by_part() -> None:
 
 
 def test_a_record_holds_no_nan_and_survives_json() -> None:
-    for record in (score(Constant()), score(Constant(), invalid_after=1), records.failed(JOB)):
+    for record in (score(Constant()), score(Constant(), invalid_after=1), failed()):
         assert json.loads(json.dumps(record, allow_nan=False)) == record
 
 
 def test_the_record_of_a_failure_has_the_same_keys() -> None:
-    assert records.failed(JOB).keys() == KEYS
+    assert failed().keys() == KEYS
     nothing = Outcome("error", StepTable.of([]), None, sha256().hexdigest(), "why")
-    assert records.score(JOB, nothing, np.zeros((2, 2)), 1.0) == records.failed(JOB)
+    assert scored(nothing, np.zeros((2, 2)), 1.0) == failed()
 
 
 def test_a_collision_costs_its_factor() -> None:
@@ -93,7 +109,7 @@ def test_a_collision_costs_its_factor() -> None:
     near = {"near_speed_mps": np.zeros(11), "near_bearing_rad": np.zeros(11), "near_bumper_m": np.zeros(11)}
     table = StepTable(hit.steps.rows[:11]).replaced(near)
     hit = Outcome("collision", table, "car", hit.frames_sha256, None)
-    record = records.score(JOB, hit, TinyWorld().route, 10.0)
+    record = scored(hit, TinyWorld().route, 10.0)
     assert (record["collisions"], record["collided_with"], record["route_completion"]) == (1, "car", 0.5)
     assert record["driving_score_2_0"] == pytest.approx(0.5 * 0.60)
     assert record["driving_score_2_1"] == pytest.approx(0.5 / 1.70)
@@ -109,7 +125,7 @@ def test_a_record_has_the_invalid_frame(steps_before: int) -> None:
 
 def test_finite_leaves_no_numpy_and_no_nan() -> None:
     value = {"a": np.float64("nan"), "b": [np.int64(3), float("inf")], "c": np.bool_(True), "d": "x"}
-    assert repr(records.finite(value)) == "{'a': None, 'b': [3, None], 'c': True, 'd': 'x'}"
+    assert repr(finite(value)) == "{'a': None, 'b': [3, None], 'c': True, 'd': 'x'}"
 
 
 def test_ids_are_readable_for_names_and_unique_for_files() -> None:
@@ -144,41 +160,41 @@ def test_any_other_invalid_line_is_reported(tmp_path: Path) -> None:
 
 
 def test_a_line_without_a_record_is_reported(tmp_path: Path) -> None:
-    RunFolder(tmp_path, ASKED).close()
+    RunFolder(tmp_path, asked()).close()
     (tmp_path / "episodes.jsonl").write_text('{"seed": 3}\n')
     with pytest.raises(InputError, match=r"episodes.jsonl: expected a record with an id on each line"):
-        RunFolder(tmp_path, ASKED, resume=True)
+        RunFolder(tmp_path, asked(), resume=True)
 
 
 def test_a_folder_with_records_needs_resume(tmp_path: Path) -> None:
-    RunFolder(tmp_path / "run", ASKED).close()
+    RunFolder(tmp_path / "run", asked()).close()
     with pytest.raises(InputError, match="expected an empty or new run folder, choose another out, or resume"):
-        RunFolder(tmp_path / "run", ASKED)
+        RunFolder(tmp_path / "run", asked())
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "thesis.tex").write_text("")
     with pytest.raises(InputError, match="got other files"):
-        RunFolder(tmp_path / "mine", ASKED)
+        RunFolder(tmp_path / "mine", asked())
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="expected a folder, got a file"):
-        RunFolder(tmp_path / "file", ASKED)
+        RunFolder(tmp_path / "file", asked())
 
 
 def test_a_run_killed_before_its_manifest_leaves_its_folder_usable(tmp_path: Path) -> None:
     for name in ("episodes.jsonl", "timing.jsonl", "manifest.json.draft"):
         (tmp_path / name).write_text("")
-    RunFolder(tmp_path, ASKED).close()
+    RunFolder(tmp_path, asked()).close()
     assert json.loads((tmp_path / "manifest.json").read_text()) == ASKED
     (tmp_path / "manifest.json").unlink()
     (tmp_path / "episodes.jsonl").write_text('{"id": "somebody else\'s"}\n')
     with pytest.raises(InputError, match="got other files"):
-        RunFolder(tmp_path, ASKED)
+        RunFolder(tmp_path, asked())
 
 
 def test_a_resumed_folder_has_its_finished_episodes(tmp_path: Path) -> None:
-    folder = RunFolder(tmp_path, ASKED)
-    folder.add(records.failed(JOB), {"id": JOB.id})
+    folder = RunFolder(tmp_path, asked())
+    folder.add(scoring.failed(JOB), Timing(id=JOB.id))
     folder.close()
-    again = RunFolder(tmp_path, ASKED, resume=True)
+    again = RunFolder(tmp_path, asked(), resume=True)
     assert (again.done, again.mark) == ({JOB.id}, None)
     again.close()
 
@@ -188,7 +204,7 @@ def test_a_resumed_folder_has_its_finished_episodes(tmp_path: Path) -> None:
     [
         ("command", "benchmark", 'command changed: was "sweep", is "benchmark"'),
         ("plan", {**ASKED["plan"], "seeds": "0:6"}, 'plan changed: seeds: was "0:5", is "0:6"'),
-        ("drivers", {"mine:Own": "new"}, 'drivers changed: was null, is {"mine:Own": "new"}'),
+        ("drivers", {"mine:Own": "new"}, 'drivers changed: was {}, is {"mine:Own": "new"}'),
         ("scenarios", {"town04": "xyz"}, 'scenarios changed: town04: was "abc", is "xyz"'),
         (
             "fingerprint",
@@ -198,35 +214,35 @@ def test_a_resumed_folder_has_its_finished_episodes(tmp_path: Path) -> None:
     ],
 )
 def test_resume_refuses_a_change_and_says_what_changed(tmp_path: Path, key: str, value: Any, sentence: str) -> None:
-    RunFolder(tmp_path, ASKED).close()
+    RunFolder(tmp_path, asked()).close()
     with pytest.raises(InputError) as told:
-        RunFolder(tmp_path, {**ASKED, key: value}, resume=True)
+        RunFolder(tmp_path, asked(**{key: value}), resume=True)
     assert sentence in str(told.value)
     assert "\n" not in str(told.value)
 
 
 def test_mixed_accepts_another_fingerprint_and_nothing_else(tmp_path: Path) -> None:
-    RunFolder(tmp_path, ASKED).close()
-    other = {**ASKED, "fingerprint": {"python": "3.12.1", "numpy": "2.4.0"}}
-    folder = RunFolder(tmp_path, other, resume=True, mixed=True)
+    RunFolder(tmp_path, asked()).close()
+    fingerprint = {"python": "3.12.1", "numpy": "2.4.0"}
+    folder = RunFolder(tmp_path, asked(fingerprint=fingerprint), resume=True, mixed=True)
     assert folder.mark is not None
     folder.close()
     with pytest.raises(InputError, match="plan changed"):
-        RunFolder(tmp_path, {**other, "plan": {}}, resume=True, mixed=True)
+        RunFolder(tmp_path, asked(fingerprint=fingerprint, plan={}), resume=True, mixed=True)
 
 
 def test_a_run_folder_has_one_run_at_a_time(tmp_path: Path) -> None:
-    first = RunFolder(tmp_path / "run", ASKED)
-    first.add(records.failed(JOB), {"id": JOB.id})
+    first = RunFolder(tmp_path / "run", asked())
+    first.add(scoring.failed(JOB), Timing(id=JOB.id))
     with (tmp_path / "run" / "episodes.jsonl").open("a") as file:
         file.write('{"id": "half')  # what the other is just writing must not be cut off
     stored = (tmp_path / "run" / "episodes.jsonl").read_text()
     with pytest.raises(InputError) as told:
-        RunFolder(tmp_path / "run", ASKED, resume=True)
+        RunFolder(tmp_path / "run", asked(), resume=True)
     assert str(told.value) == f"{tmp_path / 'run'}: in use by another run"
     assert (tmp_path / "run" / "episodes.jsonl").read_text() == stored
     first.close()
-    RunFolder(tmp_path / "run", ASKED, resume=True).close()
+    RunFolder(tmp_path / "run", asked(), resume=True).close()
 
 
 HOLD = """
@@ -244,9 +260,9 @@ def test_a_killed_run_leaves_no_lock(tmp_path: Path) -> None:
         assert other.stdout is not None
         assert other.stdout.readline().strip() == b"held"
         with pytest.raises(InputError, match="in use by another run"):
-            RunFolder(tmp_path, ASKED)
+            RunFolder(tmp_path, asked())
         other.kill()
-    RunFolder(tmp_path, ASKED).close()
+    RunFolder(tmp_path, asked()).close()
 
 
 def test_a_file_system_without_locks_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -255,21 +271,21 @@ def test_a_file_system_without_locks_is_reported(tmp_path: Path, monkeypatch: py
 
     monkeypatch.setattr("filelock.FileLock.acquire", refuse)
     with pytest.raises(InputError, match="expected a file system with locks"):
-        RunFolder(tmp_path, ASKED)
+        RunFolder(tmp_path, asked())
 
 
 def test_an_unusable_folder_is_not_locked(tmp_path: Path) -> None:
-    RunFolder(tmp_path, ASKED).close()
+    RunFolder(tmp_path, asked()).close()
     (tmp_path / "episodes.jsonl").write_text('{"seed": 3}\n')
     for _ in range(2):
         with pytest.raises(InputError, match="expected a record with an id"):
-            RunFolder(tmp_path, ASKED, resume=True)
+            RunFolder(tmp_path, asked(), resume=True)
 
 
 def test_a_discarded_folder_keeps_other_files(tmp_path: Path) -> None:
-    RunFolder(tmp_path / "run", ASKED).discard()
+    RunFolder(tmp_path / "run", asked()).discard()
     assert not (tmp_path / "run").exists()
-    folder = RunFolder(tmp_path / "run", ASKED)
+    folder = RunFolder(tmp_path / "run", asked())
     (tmp_path / "run" / "note.txt").write_text("mine")
     folder.discard()
     assert [path.name for path in (tmp_path / "run").iterdir()] == ["note.txt"]
@@ -279,7 +295,7 @@ def test_a_discarded_folder_keeps_other_files(tmp_path: Path) -> None:
 def test_an_invalid_manifest_is_reported(tmp_path: Path, text: str) -> None:
     (tmp_path / "manifest.json").write_text(text)
     with pytest.raises(InputError, match=r"manifest.json: expected"):
-        RunFolder(tmp_path, ASKED, resume=True)
+        RunFolder(tmp_path, asked(), resume=True)
 
 
 def test_new_folders_are_distinct(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,11 +18,12 @@ from systems import POSIX_ONLY
 from vpf_sim import cli
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.analysis.statistics import seeds_for_mean, seeds_for_share, share_interval
-from vpf_sim.evaluation.analysis.summary import mean, summarize
+from vpf_sim.evaluation.analysis.summary import summarize
 from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.metrics.records import Record, read_record
 from vpf_sim.evaluation.sweeps.json_lines import read_lines
+from vpf_sim.evaluation.sweeps.manifest import Manifest
 from vpf_sim.evaluation.sweeps.plan import Plan, make_plan, read_plan
-from vpf_sim.evaluation.sweeps.run_folder import manifest
 from vpf_sim.evaluation.sweeps.sweep import changes, drive_and_store
 
 DRIVERS = ("pid", "neutral")
@@ -120,9 +121,9 @@ def test_ctrl_c_stops_and_prints_the_resume_command(
 def test_an_edit_during_a_sweep_stops_it(tmp_path: Path) -> None:
     path = write_short(tmp_path)
     plan = Plan((str(path),), ("clear",), ("pid",), "0:1")
-    asked, (job,) = manifest("sweep", plan), plan.jobs()
+    asked, (job,) = Manifest.of("sweep", plan), plan.jobs()
     assert list(changes(asked, job)) == []
-    other = {**asked, "fingerprint": {**asked["fingerprint"], "source": "as it was"}}
+    other = asked.model_copy(update={"fingerprint": {**asked.fingerprint, "source": "as it was"}})
     with pytest.raises(InputError, match="source: changed while the sweep was running"):
         drive_and_store(tmp_path, None, other, job)
     path.write_text(path.read_text().replace("11.0", "12.0"))
@@ -175,19 +176,21 @@ def test_wrong_drives_of_a_plan_are_reported(changes: dict[str, Any], sentence: 
     assert str(told.value) == f"sweep.toml: {sentence}"
 
 
-def record(seed: int, status: str, mse: float, throttle: float | None) -> dict[str, Any]:
+def record(seed: int, status: str, mse: float, throttle: float | None) -> Record:
     accuracy = {"shadow": {"throttle": {"range": throttle}}}
     hit = int(status == "collision")
-    rest = {"max_lane_offset_m": 0.0, "min_clearance_m": mse, "accuracy": accuracy, "perception": {}, "comfort": None}
+    rest = {"max_lane_offset_m": 0.0, "min_clearance_m": mse, "accuracy": accuracy, "perception": None, "comfort": None}
     rest |= {"path_mse_parts_m2": {"passing": None, "clear_of_obstacles": mse}}
     rest |= {"chattering": {"steering": {"direction_changes_per_s": mse}}, "collisions": hit, "at_fault_collisions": 0}
     scores = {"route_completion": 0.5, "driving_score_2_0": 0.5, "driving_score_2_1": 0.25, "path_mse_m2": mse}
-    return {"id": f"a.clear.pid.{seed}", "seed": seed, "status": status, **scores, **rest}
+    names = {"id": f"a.clear.pid.{seed}", "scenario": "a", "weather": "clear", "driver": "pid", "seed": seed}
+    return read_record({**names, "status": status, "steps": 10, **scores, **rest}, "a line")
 
 
 def test_means_are_over_successful_and_rates_over_planned_episodes() -> None:
     records = [record(0, "success", 1.0, 0.5), record(1, "collision", 9.0, 0.1), record(2, "success", 3.0, None)]
-    (row,) = summarize(Plan(("a",), ("clear",), ("pid",), "0:4").jobs(), records)["rows"]
+    (found,) = summarize(Plan(("a",), ("clear",), ("pid",), "0:4").jobs(), records).rows
+    row: Any = found.as_json()
     assert (row["episodes"], row["successes"], row["statuses"]) == (4, 2, {"success": 2, "collision": 1})
     assert (row["driver"], row["privileged"]) == ("pid", "route")
     assert row["path_mse_m2"] == 2.0
@@ -212,10 +215,5 @@ def test_a_summary_does_not_depend_on_the_order_of_its_records() -> None:
     values = np.random.Generator(np.random.PCG64(5)).exponential(1.0, 12)
     records = [record(seed, "success", mse, 0.5 + 0.01 * mse) for seed, mse in enumerate(values)]
     jobs = Plan(("a",), ("clear",), ("pid",), "0:12").jobs()
-    there, back = (json.dumps(summarize(jobs, found)) for found in (records, records[::-1]))
+    there, back = (json.dumps(summarize(jobs, found).as_json()) for found in (records, records[::-1]))
     assert there == back
-
-
-def test_a_mean_of_nothing_is_none() -> None:
-    assert mean([]) is None
-    assert mean([None, {"a": 1.0}, {"a": 2.0, "b": None}]) == {"a": 1.5, "b": None}

@@ -1,7 +1,5 @@
 """The benchmark: the grid of the paper's simulator table, and the printed values."""
 
-from typing import Any
-
 from vpf_sim.evaluation.sweeps.plan import Plan
 
 SCENARIOS = ("town04-clean", "town04")
@@ -21,9 +19,3 @@ PAPER: dict[tuple[str, str], dict[str, float]] = {
 def plan(seeds: str | None, drivers: list[str]) -> Plan:
     """The benchmark's plan, for the given drivers or all."""
     return Plan(SCENARIOS, WEATHERS, tuple(drivers) or DRIVERS, seeds or SEEDS)
-
-
-def with_paper(summary: dict[str, Any]) -> dict[str, Any]:
-    """The summary with the paper's values in each row of its cells."""
-    rows = [{**row, "paper": PAPER.get((row["scenario"], row["weather"]))} for row in summary["rows"]]
-    return {**summary, "rows": rows}

@@ -13,6 +13,8 @@ import numpy as np
 from vpf_sim.evaluation.analysis.benchmark import PAPER, SCENARIOS, WEATHERS
 from vpf_sim.evaluation.metrics.accuracy import accuracy
 from vpf_sim.evaluation.metrics.path import distances
+from vpf_sim.evaluation.metrics.records import Record
+from vpf_sim.evaluation.metrics.registry import CLEARANCE, PATH_MSE
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.types import Floats
@@ -41,13 +43,13 @@ class Drive:
 
     scenario: str
     weather: str
-    record: Mapping[str, Any]
+    record: Record
     table: StepTable
     pid: StepTable | None
 
     @property
     def succeeded(self) -> bool:
-        return bool(self.record["status"] == "success")
+        return self.record.succeeded
 
 
 def plan(seeds: str | None, driver: str = DRIVER) -> Plan:
@@ -92,7 +94,7 @@ def _correlation(signal: Floats, pid: Floats) -> float:
 
 def path_errors(drive: Drive) -> dict[str, float | None]:
     """Mean squared distance, m2, by three readings of "the original planned trajectory"."""
-    error: dict[str, float | None] = {"lane centre": drive.record.get("path_mse_m2")}
+    error: dict[str, float | None] = {"lane centre": drive.record[PATH_MSE]}
     if drive.pid is None:
         return {**error, "PID's path": None, "PID at the same time": None}
     own, other = drive.table.positions_m, drive.pid.positions_m
@@ -127,7 +129,8 @@ def _cell(cell: tuple[str, str], drives: Sequence[Drive]) -> Row:
         "successes": len(good),
         "path_mse_m2": _means([path_errors(drive) for drive in good]),
         "clearance_m": min(
-            (drive.record["min_clearance_m"] for drive in good if drive.scenario == SCENARIOS[1]), default=None
+            (found for one in good if one.scenario == SCENARIOS[1] and (found := one.record[CLEARANCE]) is not None),
+            default=None,
         ),
         "jerkiness_radps2": mean([jerkiness(drive.table) for drive in good]),
         "in_lane_share": mean([float(np.mean(drive.table.in_lane)) for drive in good]),

@@ -4,26 +4,25 @@ from contextlib import closing
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
 
 from vpf_sim.envs.world import build_route
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import steps
-from vpf_sim.evaluation.analysis.benchmark import with_paper
+from vpf_sim.evaluation.analysis.rows import Summary
 from vpf_sim.evaluation.analysis.summary import summarize
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics import records
+from vpf_sim.evaluation.metrics import scoring
+from vpf_sim.evaluation.metrics.records import Record, read_record
 from vpf_sim.evaluation.outcome import Outcome
 from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
 from vpf_sim.evaluation.sweeps.json_lines import read_lines
+from vpf_sim.evaluation.sweeps.manifest import MANIFEST, Manifest, read_manifest, stored_plan
 from vpf_sim.evaluation.sweeps.plan import Plan
-from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, RunFolder, read_manifest, stored_plan
+from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 
-Record = dict[str, Any]
 SUMMARY = "summary.json"
-KEPT = ("status", "collided_with", "frames_sha256", "invalid_frame")  # values that the steps do not contain
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +34,7 @@ class Rescored:
     planned: int
     command: str
     seeds: str
-    summary: dict[str, Any]
+    summary: Summary
 
 
 def rescore(path: Path) -> Rescored:
@@ -47,40 +46,41 @@ def rescore(path: Path) -> Rescored:
     manifest, plan = read_manifest(path), stored_plan(path)
     jobs = {job.id: job for job in plan.jobs()}
     _check_scenarios(path, manifest, plan)
-    inputs, now = RunInputs.of(path, manifest), fingerprint()
-    mark = {} if now == manifest["fingerprint"] else {"fingerprint": digest(now)}
+    inputs, now = RunInputs.of(path, manifest.made_in), fingerprint()
+    mark = None if now == manifest.fingerprint else digest(now)
     with closing(RunFolder(path, manifest, resume=True)) as folder:
-        stored = read_lines(path / "episodes.jsonl")
+        lines = path / "episodes.jsonl"
+        stored = [read_record(row, str(lines)) for row in read_lines(lines)]  # in their order in the file
         again = [_rescored(path, record, jobs, inputs) for record in stored]
-        changed = {old["id"]: _differences(old, new) for old, new in zip(stored, again, strict=True) if old != new}
-        kept = [{**new, **mark} if new["id"] in changed else new for new in again]
+        changed = {old.id: _differences(old, new) for old, new in zip(stored, again, strict=True) if old != new}
+        kept = [record.marked(mark if record.id in changed else None) for record in again]
         if changed:
             folder.replace_records(kept)
-        summary = with_paper(summarize(jobs.values(), kept, manifest))
+        summary = summarize(jobs.values(), kept, manifest.privileged)
         if len(kept) == len(jobs):
-            folder.write_json(SUMMARY, summary)
-    return Rescored(kept, changed, len(jobs), str(manifest.get("command")), plan.seeds, summary)
+            folder.write_json(SUMMARY, summary.as_json())
+    return Rescored(kept, changed, len(jobs), manifest.command, plan.seeds, summary)
 
 
 def score(job: Job, outcome: Outcome, inputs: RunInputs | None = None) -> Record:
     """The record of an episode from its outcome, on the scenario's route for its seed."""
     route = build_route((inputs or RunInputs()).scenario(job.scenario).draw(job.seed), job.seed)
-    return records.score(job, outcome, route.waypoints(), route.length_m)
+    return scoring.score(job, outcome, route.waypoints(), route.length_m)
 
 
 def _rescored(path: Path, record: Record, jobs: dict[str, Job], inputs: RunInputs) -> Record:
     """The record recomputed from its steps; unchanged without steps."""
-    where = f"{path / 'episodes.jsonl'}: {record.get('id')}"
-    if record.get("id") not in jobs:
-        raise InputError(f"{where}: expected an episode of the plan in {MANIFEST}, got another")
-    for key in (*KEPT, "steps", "states_sha256"):
-        if key not in record:
-            raise InputError(f"{where}: key '{key}' is missing")
-    if record["states_sha256"] is None:
+    if record.id not in jobs:
+        raise InputError(
+            f"{path / 'episodes.jsonl'}: {record.id}: expected an episode of the plan in {MANIFEST}, got another"
+        )
+    if record.states_sha256 is None:
         return record
-    table = _read_steps(path / "steps" / f"{record['id']}.parquet", record["states_sha256"])
-    new = score(jobs[record["id"]], Outcome(steps=table, **{key: record[key] for key in KEPT}), inputs)
-    return {**new, **{key: record[key] for key in ("fingerprint",) if key in record}}
+    table = _read_steps(path / "steps" / f"{record.id}.parquet", record.states_sha256)
+    outcome = Outcome(
+        record.status, table, record.collided_with, record.frames_sha256, invalid_frame=record.invalid_frame
+    )
+    return score(record.job, outcome, inputs).marked(record.fingerprint)
 
 
 def _read_steps(path: Path, states_sha256: str) -> StepTable:
@@ -91,13 +91,15 @@ def _read_steps(path: Path, states_sha256: str) -> StepTable:
     return table
 
 
-def _check_scenarios(path: Path, manifest: dict[str, Any], plan: Plan) -> None:
+def _check_scenarios(path: Path, manifest: Manifest, plan: Plan) -> None:
     """InputError where a scenario changed since the run, and with it its route."""
-    for name, found in plan.scenario_hashes(RunInputs.of(path, manifest)).items():
-        stored = (manifest.get("scenarios") or {}).get(name)
+    for name, found in plan.scenario_hashes(RunInputs.of(path, manifest.made_in)).items():
+        stored = manifest.scenarios.get(name)
         if stored != found:
             raise InputError(f"{path / MANIFEST}: scenario {name} changed since the run: was {stored}, is {found}")
 
 
 def _differences(old: Record, new: Record) -> list[str]:
-    return sorted(key for key in old.keys() | new.keys() if old.get(key) != new.get(key))
+    """The keys of two records that differ."""
+    before, after = old.as_json(), new.as_json()
+    return sorted(key for key in before.keys() | after.keys() if before.get(key) != after.get(key))

@@ -7,126 +7,134 @@ Means are over successful episodes; those of the others are separate, with their
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from statistics import fmean
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 
 from vpf_sim import drivers
+from vpf_sim.evaluation.analysis.benchmark import PAPER
 from vpf_sim.evaluation.analysis.comparisons import compare
-from vpf_sim.evaluation.analysis.statistics import mean_interval, seeds_for_mean, seeds_for_share, share_interval
-from vpf_sim.evaluation.job import Job
-
-Record = dict[str, Any]
-MEANS = (
-    "path_mse_m2",
-    "path_mse_parts_m2",
-    "max_lane_offset_m",
-    "min_clearance_m",
-    "accuracy",
-    "chattering",
-    "perception",
+from vpf_sim.evaluation.analysis.rows import Cell, Row, Summary
+from vpf_sim.evaluation.analysis.statistics import (
+    Interval,
+    mean_interval,
+    seeds_for_mean,
+    seeds_for_share,
+    share_interval,
 )
-OF_ALL = ("route_completion", "driving_score_2_0", "driving_score_2_1")
-NO_MANIFEST: Mapping[str, Any] = {}
-WIDTHS = {"success_rate": 0.1, "path_mse_m2": 0.1}  # of the intervals whose required seeds are computed
+from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.metrics.metric import Metric
+from vpf_sim.evaluation.metrics.records import Record
+from vpf_sim.evaluation.metrics.registry import (
+    AT_FAULT,
+    CLEARANCE,
+    COLLISIONS,
+    COMFORTABLE,
+    COMPLETION,
+    LEAST_CLEARANCE,
+    MEASURES,
+    PATH_MSE,
+    SUCCESS,
+)
+from vpf_sim.evaluation.scores import Number
+
+OF_SUCCESSES, OF_DRIVEN = (
+    tuple(measure.key for measure in MEASURES if measure.over == over) for over in ("successes", "driven")
+)
+WIDTHS = {SUCCESS.row_key: 0.1, PATH_MSE.row_key: 0.1}  # of the intervals whose required seeds are computed
+NOBODY: Mapping[str, str] = {}
+Found = TypeVar("Found")
 
 
-def summarize(
-    jobs: Iterable[Job], records: Iterable[Record], manifest: Mapping[str, Any] = NO_MANIFEST
-) -> dict[str, Any]:
-    """`{"rows": [...], "comparisons": [...]}`; rates are over all planned episodes.
+def summarize(jobs: Iterable[Job], records: Iterable[Record], privileged: Mapping[str, str] = NOBODY) -> Summary:
+    """The rows of the planned cells, and their comparisons; rates are over all planned episodes.
 
-    Drivers whose privilege the run's manifest lacks, as one of an older version does, are created.
+    `privileged` has the privilege of drivers by name, as the run's manifest; the others are created.
     """
-    jobs, privileged = list(jobs), manifest.get("privileged") or {}
-    by_id = {record["id"]: record for record in records}
-    cells: dict[tuple[str, str, str], list[Record | None]] = {}
+    jobs = list(jobs)
+    by_id = {record.id: record for record in records}
+    cells: dict[Cell, list[Record | None]] = {}
     for job in jobs:
-        cells.setdefault((job.scenario, job.weather, job.driver), []).append(by_id.get(job.id))
-    return {
-        "rows": [_row(cell, _privilege(cell[2], privileged), found) for cell, found in sorted(cells.items())],
-        "comparisons": compare(jobs, by_id),
-    }
+        cells.setdefault(Cell(*job[:3]), []).append(by_id.get(job.id))
+    rows = [_row(cell, _privilege(cell.driver, privileged), found) for cell, found in sorted(cells.items())]
+    return Summary(tuple(rows), tuple(compare(jobs, by_id)))
+
+
+def interval(values: Sequence[float]) -> Interval | None:
+    """The interval of the mean; None without a spread."""
+    return mean_interval(np.array(values, float)) if len(values) else None
 
 
 def _privilege(driver: str, stored: Mapping[str, str]) -> str:
     return stored[driver] if driver in stored else drivers.create(driver).privileged
 
 
-def _row(cell: tuple[str, str, str], privileged: str, found: Sequence[Record | None]) -> dict[str, Any]:
-    driven = sorted((record for record in found if record is not None), key=lambda record: int(record["seed"]))
-    success = [record for record in driven if record["status"] == "success"]
-    others = [record for record in driven if record["status"] != "success"]
+def _row(cell: Cell, privileged: str, found: Sequence[Record | None]) -> Row:
+    driven = sorted((record for record in found if record is not None), key=lambda record: record.seed)
+    success = [record for record in driven if record.succeeded]
+    others = [record for record in driven if not record.succeeded]
+    return Row(
+        **cell._asdict(),
+        privileged=privileged,
+        episodes=len(found),
+        successes=len(success),
+        statuses=dict(Counter(record.status for record in driven)),
+        scores=_scores(success, driven, len(found)),
+        intervals=_intervals(success, driven, len(found)),
+        seeds_needed=_seeds_needed(success, len(found)),
+        unsuccessful=_by_key(others, (*OF_SUCCESSES, COMPLETION.key), fmean),
+        paper=PAPER.get((cell.scenario, cell.weather)),
+    )
+
+
+def _scores(success: Sequence[Record], driven: Sequence[Record], planned: int) -> dict[str, Number]:
+    """Means, with the share of successes, the counts of collisions, and the least clearance."""
+    comfortable = _present(success, COMFORTABLE)
     return {
-        **dict(zip(("scenario", "weather", "driver"), cell, strict=True)),
-        "privileged": privileged,
-        "episodes": len(found),
-        "successes": len(success),
-        "success_rate": len(success) / len(found),
-        "statuses": dict(Counter(record["status"] for record in driven)),
-        **_scores(success),
-        "collisions": sum(record["collisions"] for record in driven),
-        "at_fault_collisions": sum(record["at_fault_collisions"] for record in driven),
-        "least_clearance_m": min(_present(success, "min_clearance_m"), default=None),
-        "comfortable_share": mean(_comfortable(success)),
-        **{key: mean([record[key] for record in driven]) for key in OF_ALL},
-        "intervals": _intervals(success, driven, len(found)),
-        "seeds_needed": _seeds_needed(success, len(found)),
-        "unsuccessful": {**_scores(others), "route_completion": mean([other["route_completion"] for other in others])},
+        **_by_key(success, OF_SUCCESSES, fmean),
+        **_by_key(driven, OF_DRIVEN, fmean),
+        SUCCESS.row_key: len(success) / planned,
+        **{metric.row_key: int(sum(_present(driven, metric))) for metric in (COLLISIONS, AT_FAULT)},
+        LEAST_CLEARANCE.row_key: min(_present(success, CLEARANCE), default=None),
+        COMFORTABLE.row_key: fmean(comfortable) if comfortable else None,
     }
 
 
-def _intervals(success: Sequence[Record], driven: Sequence[Record], planned: int) -> dict[str, Any]:
-    """[low, high] for the key of each share and mean."""
-    comfortable = [value for value in _comfortable(success) if value is not None]
+def _intervals(success: Sequence[Record], driven: Sequence[Record], planned: int) -> dict[str, Interval | None]:
+    comfortable = _present(success, COMFORTABLE)
     return {
-        "success_rate": list(share_interval(len(success), planned)),
-        "comfortable_share": list(share_interval(sum(comfortable), len(comfortable))) if comfortable else None,
-        **{key: interval([record[key] for record in success]) for key in MEANS},
-        **{key: interval([record[key] for record in driven]) for key in OF_ALL},
+        **_by_key(success, OF_SUCCESSES, interval),
+        **_by_key(driven, OF_DRIVEN, interval),
+        SUCCESS.row_key: share_interval(len(success), planned),
+        COMFORTABLE.row_key: share_interval(sum(comfortable), len(comfortable)) if comfortable else None,
     }
 
 
 def _seeds_needed(success: Sequence[Record], planned: int) -> dict[str, int | None]:
     """Number of seeds for intervals of WIDTHS; for a mean, of successful seeds."""
+    path_mse = np.array(_present(success, PATH_MSE))
     return {
-        "success_rate": seeds_for_share(len(success), planned, WIDTHS["success_rate"]),
-        "path_mse_m2": seeds_for_mean(np.array(_present(success, "path_mse_m2")), WIDTHS["path_mse_m2"]),
+        SUCCESS.row_key: seeds_for_share(len(success), planned, WIDTHS[SUCCESS.row_key]),
+        PATH_MSE.row_key: seeds_for_mean(path_mse, WIDTHS[PATH_MSE.row_key]),
     }
 
 
-def mean(values: Sequence[Any]) -> Any:
-    """The mean of the values that are not None, key by key for tables; None without any."""
-    return _by_key(values, fmean)
+def _by_key(
+    records: Sequence[Record], measures: Sequence[str], of: Callable[[Sequence[float]], Found]
+) -> dict[str, Found | None]:
+    """A function of the values of each score of some measures, which are scores or tables; None without values."""
+    wanted: set[str] = set(measures)
+    values: dict[str, list[float]] = {}
+    for record in records:
+        for key, value in record.scores.items():
+            if key.partition(".")[0] in wanted:
+                column = values.setdefault(key, [])
+                if value is not None:
+                    column.append(value)
+    found = {key: of(column) if column else None for key, column in values.items()}
+    there = {key.partition(".")[0] for key in values}
+    return {**dict.fromkeys(wanted - there), **found}
 
 
-def interval(values: Sequence[Any]) -> Any:
-    """[low, high] of the mean, key by key for tables; None without a spread."""
-    return _by_key(values, _ends)
-
-
-def _ends(values: Sequence[float]) -> list[float] | None:
-    found = mean_interval(np.array(values, float))
-    return None if found is None else list(found)
-
-
-def _by_key(values: Sequence[Any], of: Callable[[Sequence[Any]], Any]) -> Any:
-    present = [value for value in values if value is not None]
-    if not present:
-        return None
-    if isinstance(present[0], dict):
-        keys = {key for value in present for key in value}
-        return {key: _by_key([value.get(key) for value in present], of) for key in sorted(keys)}
-    return of(present)
-
-
-def _comfortable(records: Sequence[Record]) -> list[bool | None]:
-    return [(record["comfort"] or {}).get("comfortable") for record in records]
-
-
-def _scores(records: Sequence[Record]) -> dict[str, Any]:
-    return {key: mean([record[key] for record in records]) for key in MEANS}
-
-
-def _present(records: Sequence[Record], key: str) -> list[float]:
-    return [record[key] for record in records if record[key] is not None]
+def _present(records: Sequence[Record], metric: Metric) -> list[float]:
+    return [value for record in records if (value := record[metric]) is not None]

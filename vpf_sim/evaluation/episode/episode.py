@@ -16,8 +16,9 @@ from vpf_sim.evaluation.episode.hashing import FrameHasher
 from vpf_sim.evaluation.episode.log import StepLog
 from vpf_sim.evaluation.episode.paired import matched, pid_without_obstacles
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics import records
-from vpf_sim.evaluation.outcome import Outcome
+from vpf_sim.evaluation.metrics.records import Record, Timing
+from vpf_sim.evaluation.metrics.scoring import score
+from vpf_sim.evaluation.outcome import InvalidFrame, Outcome
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.timing import Stopwatch
 from vpf_sim.types import Driver, DriverSetup, Image, Observation, Plan
@@ -28,9 +29,10 @@ NO_FRAME: Image = np.empty((0, 0, 3), np.uint8)
 
 @dataclass(frozen=True, slots=True)
 class EpisodeResult:
-    record: dict[str, Any]
+    record: Record
     steps: StepTable
-    timing: dict[str, Any]  # wall times, and the traceback of an error
+    timing: Timing
+    traceback: str | None  # of an error
 
 
 def run(
@@ -61,12 +63,10 @@ def _run(scenario: str, weather: str, driver: drivers.DriverLike, seed: int, wat
         if len(outcome.steps):
             pid_run = pid_without_obstacles(env.scenario, seed)
             outcome = replace(outcome, steps=matched(outcome.steps, pid_run))
-        record = records.score(job, outcome, env.route, env.route_length_m)
-    steps_per_s = len(outcome.steps) / wall_s
-    timing = {"id": job.id, "wall_s": wall_s, "steps_per_s": steps_per_s, "stages_ms": stopwatch.typical_ms()}
-    if outcome.traceback:
-        timing["traceback"] = outcome.traceback
-    return EpisodeResult(record, outcome.steps, timing)
+        record = score(job, outcome, env.route, env.route_length_m)
+    rate, stages_ms = len(outcome.steps) / wall_s, stopwatch.typical_ms()
+    timing = Timing(id=job.id, wall_s=wall_s, steps_per_s=rate, stages_ms=stages_ms)
+    return EpisodeResult(record, outcome.steps, timing, outcome.traceback)
 
 
 def roll_out(
@@ -107,7 +107,7 @@ def roll_out(
             status = info["status"]
         except (Exception, SystemExit):
             status, traceback, info = "error", format_exc(), {}
-    invalid_frame = info.get("invalid_frame") if status == "invalid_frame" else None
+    invalid_frame = InvalidFrame(**info["invalid_frame"]) if status == "invalid_frame" else None
     return Outcome(status, log.table(), info.get("collided_with"), frames.hexdigest(), traceback, invalid_frame)
 
 

@@ -1,6 +1,6 @@
 """Playback of a stored episode: the environment with the car at the stored poses."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from typing import Any
@@ -9,6 +9,7 @@ import numpy as np
 
 from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.geometry import wrap_angle
@@ -45,11 +46,9 @@ class PosePlayback(FourLane):
         self._frames_sha256 = ""
 
     @classmethod
-    def of(
-        cls, record: Mapping[str, Any], table: StepTable, inputs: RunInputs, truth: Sequence[str] = ()
-    ) -> "PosePlayback":
+    def of(cls, record: Record, table: StepTable, inputs: RunInputs, truth: Sequence[str] = ()) -> "PosePlayback":
         """The playback of a stored episode with the inputs of its run."""
-        return cls(inputs.scenario(record["scenario"]), inputs.weather(record["weather"]), table, truth)
+        return cls(inputs.scenario(record.scenario), inputs.weather(record.weather), table, truth)
 
     def play(self, seed: int) -> Iterator[Played]:
         """Yield every frame of the episode in order, drawn with the stored commands and poses."""
@@ -65,11 +64,11 @@ class PosePlayback(FourLane):
                 observed, reward, _, _, info = self.step(command)
         self._frames_sha256 = digest.hexdigest()
 
-    def has_frames_of(self, record: Mapping[str, Any]) -> bool:
+    def has_frames_of(self, record: Record) -> bool:
         """Whether `play` drew the frames that the run's driver saw; True if it used none."""
-        return record.get("frames_sha256") in (None, self._frames_sha256)
+        return record.frames_sha256 in (None, self._frames_sha256)
 
-    def deviations(self, record: Mapping[str, Any]) -> list[str]:
+    def deviations(self, record: Record) -> list[str]:
         """How the episode that `play` drew differs from its record."""
         remarks = []
         if not self.has_frames_of(record):

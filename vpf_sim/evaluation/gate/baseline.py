@@ -1,5 +1,6 @@
 """Comparison with a baseline run: paired on common seeds, else against the baseline's interval."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,9 +8,9 @@ from statistics import fmean
 from typing import NamedTuple
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, PositiveInt, ValidationError
 
 from vpf_sim.errors import InputError
+from vpf_sim.evaluation.analysis.rows import Cell, Row, read_summary
 from vpf_sim.evaluation.analysis.statistics import (
     Interval,
     mean_interval,
@@ -17,8 +18,9 @@ from vpf_sim.evaluation.analysis.statistics import (
     paired_shares,
     share_interval,
 )
-from vpf_sim.evaluation.gate.cells import FAULTS, Cell, Run, read_run, values_of, worst_first
+from vpf_sim.evaluation.gate.cells import FAULTS, METRICS, Run, read_run, values_of, worst_first
 from vpf_sim.evaluation.gate.rules import Score
+from vpf_sim.evaluation.metrics.registry import COMFORTABLE
 from vpf_sim.files import read_text
 
 SHARES = (
@@ -26,33 +28,6 @@ SHARES = (
     "collisions",
     "comfortable_share",
 )  # of the planned episodes; an episode ends at its first collision
-HIGHER_IS_BETTER = ("success_rate", "clearance_m", "comfortable_share")
-
-
-class Intervals(BaseModel):
-    path_mse_m2: tuple[float, float] | None = None
-    min_clearance_m: tuple[float, float] | None = None
-
-
-class Row(BaseModel):
-    """The compared values of a summary row."""
-
-    model_config = ConfigDict(allow_inf_nan=False)
-
-    scenario: str
-    weather: str
-    driver: str
-    episodes: PositiveInt
-    successes: int
-    statuses: dict[str, int]
-    path_mse_m2: float | None
-    min_clearance_m: float | None
-    comfortable_share: float | None
-    intervals: Intervals = Intervals()
-
-
-class Table(BaseModel):
-    rows: list[Row]
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,12 +57,15 @@ def read(path: Path) -> Run | Summary:
     if path.suffix != ".json":
         return read_run(path)
     try:
-        rows = Table.model_validate_json(read_text(path)).rows
+        content = json.loads(read_text(path))
+        rows = read_summary(content, str(path)).rows if isinstance(content, dict) else None
     except OSError as error:
         raise InputError(f"{path}: expected a readable summary, got: {error.strerror}") from None
-    except (UnicodeDecodeError, ValidationError):
-        raise InputError(f"{path}: expected the summary.json of a run, got something else") from None
-    return Summary(path, {Cell(row.scenario, row.weather, row.driver): row for row in rows})
+    except (ValueError, RecursionError, InputError):
+        rows = None
+    if rows is None:
+        raise InputError(f"{path}: expected the summary.json of a run, got something else")
+    return Summary(path, {row.cell: row for row in rows})
 
 
 def baseline_score(baseline: Run | Summary, run: Run, cell: Cell, score: Score) -> BaselineScore:
@@ -99,7 +77,7 @@ def baseline_score(baseline: Run | Summary, run: Run, cell: Cell, score: Score) 
     if isinstance(baseline, Summary):
         return _of_row(baseline.rows[cell], score)
     for kind, name in (("scenarios", cell.scenario), ("weathers", cell.weather)):
-        if baseline.hashes[kind].get(name) != run.hashes[kind].get(name):
+        if baseline.manifest.hashes(kind).get(name) != run.manifest.hashes(kind).get(name):
             raise InputError(
                 f"{baseline.path}: expected {kind[:-1]} '{name}' as in {run.path}, got another of that name"
             )
@@ -109,7 +87,7 @@ def baseline_score(baseline: Run | Summary, run: Run, cell: Cell, score: Score) 
 
 def compare(score: Score, ours: Mapping[int, float], theirs: BaselineScore) -> Comparison:
     """Whether ours are worse beyond the interval of the paired differences, or else of the baseline's mean."""
-    sign = 1.0 if score in HIGHER_IS_BETTER else -1.0
+    sign = METRICS[score].sign
     common = sorted(ours.keys() & theirs.by_seed.keys())
     if not common:
         return _unpaired(sign, ours, theirs)
@@ -138,9 +116,7 @@ def _of_row(row: Row, score: Score) -> BaselineScore:
     if score in SHARES:
         count = _count(row, score)
         return BaselineScore({}, count / row.episodes, share_interval(count, row.episodes))
-    key = "min_clearance_m" if score == "clearance_m" else score
-    ends = getattr(row.intervals, key)
-    return BaselineScore({}, getattr(row, key), None if ends is None else Interval(*ends))
+    return BaselineScore({}, row[METRICS[score]], row.interval(METRICS[score]))
 
 
 def _count(row: Row, score: Score) -> int:
@@ -148,9 +124,8 @@ def _count(row: Row, score: Score) -> int:
     if score == "success_rate":
         return row.successes
     if score == "comfortable_share":
-        return round((row.comfortable_share or 0.0) * row.successes)
-    missing = row.episodes - sum(row.statuses.values())
-    return missing + sum(row.statuses.get(status, 0) for status in ("collision", *FAULTS))
+        return round((row[COMFORTABLE] or 0.0) * row.successes)
+    return row.missing + sum(row.statuses.get(status, 0) for status in ("collision", *FAULTS))
 
 
 def _interval(score: Score, values: list[float]) -> Interval | None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from vpf_sim import drivers, system
 from vpf_sim.errors import InputError, unknown_name
-from vpf_sim.evaluation.gate.cells import Cell
+from vpf_sim.evaluation.analysis.rows import Cell
 from vpf_sim.evaluation.gate.rules import Rule
 from vpf_sim.shell import command
 

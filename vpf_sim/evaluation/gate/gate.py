@@ -11,9 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vpf_sim.evaluation.analysis.rows import Cell
 from vpf_sim.evaluation.analysis.statistics import mean_interval
 from vpf_sim.evaluation.gate import baseline, perception
-from vpf_sim.evaluation.gate.cells import FAULTS, Cell, Episodes, Run, values_of, worst_first
+from vpf_sim.evaluation.gate.cells import FAULTS, Episodes, Run, values_of, worst_first
 from vpf_sim.evaluation.gate.checks import NO_SUCCESS, Check, matching, number
 from vpf_sim.evaluation.gate.rules import SCORES, Detail, Rule, Score
 
@@ -69,7 +70,9 @@ def _without_values(cell: Cell, expected: str, score: Score | Detail, episodes: 
     """The check of a cell without values: nothing to measure, or no successful episode."""
     if any(episode is not None and episode.succeeded for episode in episodes.values()):
         return Check(cell, expected, "no obstacles" if score == "clearance_m" else "not measured", "skipped")
-    if score in OF_PERCEPTION and not any(episode is not None and episode.perception for episode in episodes.values()):
+    if score in OF_PERCEPTION and not any(
+        record is not None and record.shows_perception for record in episodes.values()
+    ):
         return Check(cell, expected, "no perception shown", "skipped")
     return Check(cell, expected, NO_SUCCESS, "failed", tuple(sorted(episodes)))
 

@@ -1,113 +1,141 @@
-"""The record of an episode: its scores, a function of scenario, weather, driver, seed and fingerprint."""
+"""The record of an episode and its timing: how a run folder stores them, and how they are read again.
 
-from hashlib import sha256
-from math import isfinite
-from typing import Any
+Records of earlier versions are read, too: scores that they lack are missing, keys that this version does not know are
+kept as they are. nan and inf are stored as None.
+"""
 
-import numpy as np
+import json
+from collections.abc import Mapping
+from typing import TypeVar
 
+from pydantic import BaseModel, ConfigDict, SkipValidation, ValidationError
+
+from vpf_sim.errors import InputError, wrong_value
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics import chattering, clearance, collision, comfort, driving_score, path, perception
-from vpf_sim.evaluation.metrics.accuracy import protocol
-from vpf_sim.evaluation.outcome import Outcome
-from vpf_sim.evaluation.steps import StepTable
-from vpf_sim.types import Floats
+from vpf_sim.evaluation.metrics.metric import Metric
+from vpf_sim.evaluation.metrics.registry import MEASURES, TABLES
+from vpf_sim.evaluation.outcome import InvalidFrame
+from vpf_sim.evaluation.scores import Json, Number, flat, nested, numbers
 
 
-def score(job: Job, outcome: Outcome, route: Floats, route_length_m: float) -> dict[str, Any]:
-    """The record of an episode; `route` has waypoints (M, 2) from the start to beyond the goal at `route_length_m`."""
-    table = outcome.steps
-    if len(table) == 0:
-        return failed(job, outcome.status, outcome.invalid_frame)
-    hits = [outcome.collided_with] if outcome.collided_with else []
-    completion = 1.0 if outcome.status == "success" else path.completion(table.route_m, route_length_m)
-    off_lane = driving_score.off_lane_share(table.route_m, table.outside)
-    record: dict[str, Any] = finite(
-        {
-            **_identity(job),
-            "status": outcome.status,
-            "invalid_frame": outcome.invalid_frame,
-            "route_completion": completion,
-            **_path_mse(table, path.shorten(route, route_length_m)),
-            "max_lane_offset_m": np.max(np.abs(table.lane_offset_m)),
-            "accuracy": _accuracy(table),
-            "collisions": len(hits),
-            "collided_with": outcome.collided_with,
-            **_fault(table, hits),
-            "min_clearance_m": clearance.min_clearance_m(table.clearance_m),
-            "driving_score_2_0": driving_score.driving_score_2_0(completion, hits, off_lane),
-            "driving_score_2_1": driving_score.driving_score_2_1(completion, hits, off_lane),
-            "comfort": comfort.comfort(table),
-            "chattering": chattering.chattering(table),
-            "perception": _perception(table),
-            "steps": len(table),
-            "states_sha256": sha256(table.states()).hexdigest(),
-            "frames_sha256": outcome.frames_sha256,
-        }
-    )
+class Schema(BaseModel):
+    """What a file of a run folder holds; no value is converted, unknown keys are ignored."""
+
+    model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False)
+
+
+class Record(Schema):
+    """One episode: what was driven, how it ended, and its scores by dotted key."""
+
+    id: str
+    scenario: str
+    weather: str
+    driver: str
+    seed: int
+    status: str
+    steps: int
+    scores: SkipValidation[dict[str, Number]]  # by dotted key
+    invalid_frame: InvalidFrame | None = None
+    collided_with: str | None = None
+    collision_type: str | None = None
+    states_sha256: str | None = None
+    frames_sha256: str | None = None  # None where the driver uses no frames
+    fingerprint: str | None = None  # digest of the version that made it, if it is not the run's
+    unknown: Json = {}  # keys of other versions
+
+    @property
+    def job(self) -> Job:
+        return Job(self.scenario, self.weather, self.driver, self.seed)
+
+    @property
+    def cell(self) -> tuple[str, str, str]:
+        return self.scenario, self.weather, self.driver
+
+    @property
+    def succeeded(self) -> bool:
+        return self.status == "success"
+
+    @property
+    def ending(self) -> str:
+        """How the episode ended, as text: "collision with a car"."""
+        hit = f" with a {self.collided_with}" if self.collided_with else ""
+        return f"{self.status.replace('_', ' ')}{hit}"
+
+    @property
+    def shows_perception(self) -> bool:
+        """Whether anything of the driver's perception was scored."""
+        return any(key.startswith("perception.") for key in self.scores)
+
+    def __getitem__(self, metric: Metric) -> Number:
+        """The value of a metric; None where it was not measured."""
+        return self.scores.get(metric.key)
+
+    def marked(self, fingerprint: str | None) -> "Record":
+        """The record with the digest of another version's fingerprint, if there is one."""
+        return self if fingerprint is None else self.model_copy(update={"fingerprint": fingerprint})
+
+    def as_json(self) -> Json:
+        """The line of episodes.jsonl."""
+        own = self.model_dump(exclude={"scores", "unknown"})
+        if self.fingerprint is None:
+            del own["fingerprint"]
+        return {**own, **nested(self.scores), **self.unknown}
+
+
+_SCORED = {measure.key for measure in MEASURES}
+_OWN = Record.model_fields.keys() - {"scores", "unknown"}
+
+
+class Timing(Schema):
+    """A line of timing.jsonl: wall times of an episode."""
+
+    id: str
+    wall_s: Number = None
+    steps_per_s: Number = None
+    stages_ms: dict[str, float] = {}
+    host: str = ""
+    process: int | None = None
+    worker: int | str | None = None
+    retries: int = 0
+
+    def as_json(self) -> Json:
+        return self.model_dump(exclude_unset=True)
+
+
+def read_record(row: Json, file: str) -> Record:
+    """The record of a line of `file`; InputError in one line where it is none."""
+    if "id" not in row:
+        raise InputError(f"{file}: expected a record with an id on each line, got a line without")
+    where = f"{file}: {short(row['id'])}"
+    scores = {key: row[key] for key in row.keys() & _SCORED}
+    unknown = {key: row[key] for key in row.keys() - _SCORED - _OWN}
+    try:
+        values = numbers(flat(scores), [table.key for table in TABLES])
+    except ValueError as error:
+        raise InputError(f"{where}: {error}") from None
+    own = {key: row[key] for key in row.keys() & _OWN}
+    record = checked(Record, {**own, "scores": values, "unknown": unknown}, where)
+    if (expected := record.job.id) != record.id:
+        raise InputError(f"{where}: expected the id of its scenario, weather, driver and seed, which is {expected}")
     return record
 
 
-def failed(job: Job, status: str = "error", invalid_frame: dict[str, Any] | None = None) -> dict[str, Any]:
-    """The record of an episode without scores: it never began, or its worker died."""
-    drive_keys = ("path_mse_m2", "path_mse_parts_m2", "max_lane_offset_m", "accuracy", "min_clearance_m")
-    other_keys = ("comfort", "chattering", "perception", "collided_with", "collision_type")
-    scores = dict.fromkeys((*drive_keys, *other_keys))
-    zeros = dict.fromkeys(("route_completion", "driving_score_2_0", "driving_score_2_1"), 0.0)
-    zeros |= {"collisions": 0, "at_fault_collisions": 0}
-    hashes = {"steps": 0, "states_sha256": None, "frames_sha256": None}
-    return {**_identity(job), "status": status, "invalid_frame": invalid_frame, **scores, **zeros, **hashes}
+Checked = TypeVar("Checked", bound=BaseModel)
 
 
-def finite(value: Any) -> Any:
-    """The value with plain Python numbers, and None for nan and inf."""
-    if isinstance(value, dict):
-        return {key: finite(inner) for key, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(inner) for inner in value]
-    if isinstance(value, np.generic):
-        value = value.item()
-    return None if isinstance(value, float) and not isfinite(value) else value
+def checked(schema: type[Checked], value: Mapping[str, object], where: str) -> Checked:
+    """The value validated by a schema; InputError with `where` and the first fault in one line."""
+    try:
+        return schema.model_validate(value)
+    except ValidationError as error:
+        fault = error.errors(include_url=False)[0]
+        key = ".".join(map(str, fault["loc"]))
+        message = str(fault["msg"]).removeprefix("Value error, ")
+        got = f"{key}: {wrong_value(message, fault['input'])}"
+        raise InputError(f"{where}: " + (f"key '{key}' is missing" if fault["type"] == "missing" else got)) from None
 
 
-def _identity(job: Job) -> dict[str, Any]:
-    return {"id": job.id, **job._asdict()}
-
-
-def _path_mse(table: StepTable, reference: Floats) -> dict[str, Any]:
-    """Path MSE of the whole route and of its two parts."""
-    passing = table.passing > 0.0
-    parts = {"clear_of_obstacles": ~passing, "passing": passing}
-    return {
-        "path_mse_m2": path.path_mse(table.positions_m, reference),
-        "path_mse_parts_m2": {part: path.path_mse(table.positions_m[rows], reference) for part, rows in parts.items()},
-    }
-
-
-def _accuracy(table: StepTable) -> dict[str, Any]:
-    """Accuracy by both protocols, over the n states with a command."""
-    driven = slice(0, len(table))
-    commands, shadow, paired = (
-        {name: getattr(table, f"{whose}{name}")[driven] for name in ("throttle", "steering")}
-        for whose in ("", "pid_", "paired_")
-    )
-    passing = table.passing[driven] > 0.0
-    return {"shadow": protocol(commands, shadow, passing), "paired": protocol(commands, paired, passing)}
-
-
-def _fault(table: StepTable, hits: list[str]) -> dict[str, Any]:
-    if not hits:
-        return {"collision_type": None, "at_fault_collisions": 0}
-    kind = collision.collision_type(table)
-    return {"collision_type": kind, "at_fault_collisions": int(collision.is_at_fault(kind, table))}
-
-
-def _perception(table: StepTable) -> dict[str, Any]:
-    estimated = np.concatenate([table.seen_left_m, table.seen_right_m])
-    true = np.concatenate([table.true_left_m, table.true_right_m])
-    return {
-        **perception.foe(table.foe_x_px, table.foe_y_px, table.true_foe_x_px, table.true_foe_y_px),
-        **perception.edges(estimated, true),
-        **perception.points(table.flow_error_px, table.ttc_error),
-        "objects": perception.objects(table),
-    }
+def short(value: object) -> str:
+    """A value as JSON, of at most 80 characters."""
+    text = json.dumps(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."

@@ -18,13 +18,12 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.evaluation.episode.pose_playback import TOLERANCE, PosePlayback
+from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.perception.scorer import DriveEvaluation, PerceptionScorer
 from vpf_sim.evaluation.processes import pool
 from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.types import Driver, Observation, Perception
-
-Record = dict[str, Any]
 
 
 class StoredDrive(NamedTuple):
@@ -35,7 +34,7 @@ class StoredDrive(NamedTuple):
 
     def steps(self) -> StepTable:
         """The step table; InputError where it is not stored."""
-        return steps.read(self.folder / "steps" / f"{self.record['id']}.parquet")
+        return steps.read(self.folder / "steps" / f"{self.record.id}.parquet")
 
 
 Evaluated = tuple[StoredDrive, list[DriveEvaluation]]
@@ -46,10 +45,10 @@ def replay(drives: Iterable[StoredDrive], names: Sequence[str], workers: int) ->
     for name in names:
         if not drivers.uses_images(drivers.create(name)):
             raise InputError(f"driver '{name}': expected one that perceives, got one that uses no frames")
-    longest_first = sorted(drives, key=lambda drive: -drive.record["steps"])
+    longest_first = sorted(drives, key=lambda drive: -drive.record.steps)
     for done in pool.run(partial(evaluate, tuple(names)), longest_first, workers):
         if done.result is None:
-            raise InputError(f"{done.task.record['id']}: {done.reason.splitlines()[0]}")
+            raise InputError(f"{done.task.record.id}: {done.reason.splitlines()[0]}")
         yield done.task, done.result
 
 
@@ -71,19 +70,19 @@ def _evaluate(names: Sequence[str], drive: StoredDrive) -> list[DriveEvaluation]
             for scorer, perception in zip(scorers, perceptions, strict=True):
                 scorer.add(row, perception, world, info)
 
-        perceive_drive(world, table, record["seed"], dict(zip(names, perceivers, strict=True)), show)
+        perceive_drive(world, table, record.seed, dict(zip(names, perceivers, strict=True)), show)
         moved_m = world.largest_correction_m
     remarks = (
         (f"the car would now deviate by up to {moved_m:.2f} m; its stored poses are used",)
         if moved_m > TOLERANCE
         else ()
     )
-    identity = (record["id"], record["scenario"], record["weather"], record["seed"])
+    identity = (record.id, record.scenario, record.weather, record.seed)
     return [
         DriveEvaluation(
             *identity,
             name,
-            record["states_sha256"],
+            record.states_sha256 or "",
             table.replaced(scorer.columns),
             scorer.lane_error_m,
             scorer.detections_table(),

@@ -5,13 +5,17 @@ from pathlib import Path
 from typing import Any
 
 from vpf_sim.errors import InputError
+from vpf_sim.evaluation.metrics.records import Schema, checked
 from vpf_sim.evaluation.sweeps.fingerprint import fingerprint
 from vpf_sim.evaluation.sweeps.run_folder import write_json
-from vpf_sim.evaluation.sweeps.schema import Number, Numbers, Schema, checked
 from vpf_sim.shell import command
 
 NAME = "perception.json"
 SCHEMA = 1
+
+
+Number = float | None
+Numbers = dict[str, Number]
 
 
 class Metrics(Schema):

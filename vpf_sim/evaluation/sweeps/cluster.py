@@ -24,24 +24,24 @@ from vpf_sim.evaluation.processes.pool import ATTEMPTS, Done
 from vpf_sim.evaluation.processes.threads import limit_opencv
 from vpf_sim.evaluation.sweeps import sweep
 from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
+from vpf_sim.evaluation.sweeps.manifest import Manifest, change
 from vpf_sim.evaluation.sweeps.plan import Plan
-from vpf_sim.evaluation.sweeps.run_folder import RunFolder, change, read_manifest
+from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 
 MISSING = "expected Dask, which is not installed: pip install 'vpf_sim[cluster]'"
 LOGGING = ("distributed", "asyncio", "tornado")
 CONNECT_S = 4.0  # timeout for a scheduler, short so that a wrong address fails soon
-Manifest = dict[str, Any]
 
 
 def run(client: Any, folder: RunFolder, jobs: Iterable[Job], limit_s: sweep.Limit, mixed: bool) -> sweep.Results:
     """Yield results as they are ready; an episode whose worker died is submitted once more."""
     distributed = _distributed()
-    asked = read_manifest(folder.path)
+    asked = folder.asked
     ready, running = distributed.as_completed(loop=client.loop), {}
     session = uuid4().hex  # a scheduler returns its cached result for a known key
 
     def submit(job: Job, attempt: int) -> None:
-        name = f"{job.id} attempt {attempt} {digest(asked)} {session}"
+        name = f"{job.id} attempt {attempt} {digest(asked.as_json())} {session}"
         future = client.submit(_drive, job, asked, limit_s(job), mixed, key=name, pure=False)
         running[future.key] = (job, attempt)
         ready.add(future)
@@ -51,7 +51,7 @@ def run(client: Any, folder: RunFolder, jobs: Iterable[Job], limit_s: sweep.Limi
     for future in ready if running else ():
         job, attempt = running.pop(future.key)
         try:
-            record, timing, table = _result(future)
+            stored, table, worker = _result(future)
         except distributed.scheduler.KilledWorker as error:
             if attempt == ATTEMPTS:
                 yield Done(job, None, attempt, error.last_worker.address, _reason(error, limit_s(job)))
@@ -60,7 +60,7 @@ def run(client: Any, folder: RunFolder, jobs: Iterable[Job], limit_s: sweep.Limi
             continue
         if table is not None:
             steps.write(table, folder.path / "steps" / f"{job.id}.parquet")
-        yield Done(job, (record, timing), attempt, timing.pop("worker"))
+        yield Done(job, stored, attempt, worker)
 
 
 @contextmanager
@@ -157,8 +157,8 @@ def _check_workers(client: Any, asked: Manifest, mixed: bool) -> None:
 
 
 def _compare(worker: str, found: dict[str, str], asked: Manifest) -> None:
-    if found != asked["fingerprint"]:
-        what = change(asked["fingerprint"], found)
+    if found != asked.fingerprint:
+        what = change(asked.fingerprint, found)
         raise _fault(f"worker {worker}: another fingerprint: {what}; {option('mixed')} accepts it")
 
 
@@ -179,9 +179,7 @@ def _reason(error: Any, limit_s: float) -> str:
     )
 
 
-def _drive(
-    job: Job, asked: Manifest, limit_s: float, mixed: bool
-) -> tuple[dict[str, Any], dict[str, Any], steps.StepTable | None]:
+def _drive(job: Job, asked: Manifest, limit_s: float, mixed: bool) -> tuple[sweep.Stored, steps.StepTable | None, str]:
     """Run on a worker: check fingerprint and inputs, then drive one episode."""
     worker = str(_distributed().get_worker().name)
     own = fingerprint()
@@ -190,13 +188,13 @@ def _drive(
     _check_inputs(worker, job, asked)
     limit_opencv()
     with pool.at_most(limit_s, 2):
-        record, timing, table = sweep.drive(None if own == asked["fingerprint"] else digest(own), job)
-    return record, {**timing, "worker": worker}, table
+        stored, table = sweep.drive(None if own == asked.fingerprint else digest(own), job)
+    return stored, table, worker
 
 
 def _check_inputs(worker: str, job: Job, asked: Manifest) -> None:
     """InputError where this worker has another scenario, weather or driver under the same name."""
     for kind, hashes in Plan.of(job).check().items():
         for name, value in hashes.items():
-            if asked.get(kind, {}).get(name) != value:
+            if asked.hashes(kind).get(name) != value:
                 raise _fault(f"worker {worker}: {name}: expected the file as it is here, got another")

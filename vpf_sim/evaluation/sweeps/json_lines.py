@@ -5,9 +5,9 @@ import json
 import os
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 from vpf_sim.errors import InputError
+from vpf_sim.evaluation.scores import Json
 from vpf_sim.files import write_bytes
 
 FLAGS = os.O_RDWR | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0)  # Windows would write "\r\n"
@@ -23,7 +23,7 @@ class JsonLines:
         stored = path.read_bytes()
         os.ftruncate(self._file, stored.rfind(b"\n") + 1)
 
-    def append(self, row: dict[str, Any]) -> None:
+    def append(self, row: Json) -> None:
         """Append one line with sorted keys; on OSError nothing is appended."""
         line = _line(row)
         size = os.fstat(self._file).st_size
@@ -35,7 +35,7 @@ class JsonLines:
             os.ftruncate(self._file, size)
             raise OSError(error.errno, error.strerror, str(self._path)) from None
 
-    def rewrite(self, rows: Iterable[dict[str, Any]]) -> None:
+    def rewrite(self, rows: Iterable[Json]) -> None:
         """Replace all rows atomically; no row can be appended afterwards."""
         self.close()  # Windows does not replace an open file
         write_bytes(self._path, b"".join(map(_line, rows)))
@@ -47,7 +47,7 @@ class JsonLines:
             os.close(self._file)
 
 
-def read_lines(path: Path) -> list[dict[str, Any]]:
+def read_lines(path: Path) -> list[Json]:
     """The rows of a file, empty if it is missing; an incomplete last line is dropped, other faults are InputErrors."""
     if not path.exists():
         return []
@@ -55,11 +55,11 @@ def read_lines(path: Path) -> list[dict[str, Any]]:
     return [_row(path, number, line) for number, line in enumerate(whole.splitlines(), start=1)]
 
 
-def _line(row: dict[str, Any]) -> bytes:
+def _line(row: Json) -> bytes:
     return json.dumps(row, sort_keys=True, allow_nan=False).encode() + b"\n"
 
 
-def _row(path: Path, number: int, line: bytes) -> dict[str, Any]:
+def _row(path: Path, number: int, line: bytes) -> Json:
     try:
         row = json.loads(line)
     except (ValueError, RecursionError):

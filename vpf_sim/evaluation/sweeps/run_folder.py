@@ -3,30 +3,25 @@
 import json
 import os
 import shutil
+from collections.abc import Iterable, Mapping
 from contextlib import ExitStack, closing, suppress
-from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
-from typing import Any
 
 from filelock import FileLock, Timeout
 
 from vpf_sim import system
 from vpf_sim.errors import InputError, option
-from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics.records import failed
+from vpf_sim.evaluation.metrics.records import Record, Timing, checked, read_record
 from vpf_sim.evaluation.run_inputs import INPUTS, contents
-from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint, forget_code
+from vpf_sim.evaluation.sweeps.fingerprint import digest
 from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
-from vpf_sim.evaluation.sweeps.plan import Plan, make_plan
-from vpf_sim.evaluation.sweeps.schema import Manifest, Record, checked
+from vpf_sim.evaluation.sweeps.manifest import HASHED, MANIFEST, Manifest, change, read_manifest
 from vpf_sim.files import DRAFT, write_text
 
-MANIFEST = "manifest.json"
 LINES = ("episodes.jsonl", "timing.jsonl")
 OUTPUTS = ("steps", "errors")  # folders
 LATEST = "latest"  # in the place of a folder's name
-NO_JOB = Job("", "", "", 0)
 
 
 def new_path(command: str) -> Path:
@@ -66,25 +61,12 @@ def _begun(manifest: Path) -> tuple[float, int]:
         return -1.0, written_ns
 
 
-def now() -> str:
-    """The time with its offset from UTC, ISO 8601."""
-    return datetime.now().astimezone().isoformat()
-
-
-def manifest(command: str, plan: Plan) -> dict[str, Any]:
-    """The manifest: command, plan, day, fingerprint, and hashes of scenarios, weathers and drivers."""
-    forget_code()
-    asked = {key: value for key, value in asdict(plan).items() if value}
-    known = {"schema": 1, "command": command, "plan": asked, "begun": now(), "made_in": str(Path.cwd())}
-    return {**known, "fingerprint": fingerprint(), **plan.check()}
-
-
 class RunFolder:
     """An open, locked run folder; `done` has the ids of its records."""
 
-    def __init__(self, path: Path, asked: dict[str, Any], resume: bool = False, mixed: bool = False) -> None:
+    def __init__(self, path: Path, asked: Manifest, resume: bool = False, mixed: bool = False) -> None:
         self.path = path
-        self.asked: dict[str, Any] = json.loads(json.dumps(asked))
+        self.asked = asked
         admitted(path, asked, resume, mixed)  # before anything is written
         path.mkdir(parents=True, exist_ok=True)
         with ExitStack() as opened:
@@ -94,33 +76,32 @@ class RunFolder:
             self._lines = [opened.enter_context(closing(JsonLines(path / name))) for name in LINES]
             if new:
                 self._keep_inputs()
-                self.write_json(MANIFEST, self.asked)
-            self.done = {record["id"] for record in self.records()}
+                self.write_json(MANIFEST, asked.as_json())
+            self.done = {record.id for record in self.records()}
             opened.pop_all()
 
-    def add(self, record: dict[str, Any], timing: dict[str, Any]) -> None:
-        """Store a finished episode; the `traceback` of an error is written to its own file."""
-        timing = dict(timing)
-        if "traceback" in timing:
-            self._write_error(record["id"], timing.pop("traceback"))
+    def add(self, record: Record, timing: Timing, traceback: str | None = None) -> None:
+        """Store a finished episode; the traceback of an error is written to its own file."""
+        if traceback is not None:
+            write_text(self.error_file(record.id), traceback.rstrip() + "\n")
         records, timings = self._lines
-        timings.append(timing)
-        records.append(record)
-        self.done.add(record["id"])
+        timings.append(timing.as_json())
+        records.append(record.as_json())
+        self.done.add(record.id)
 
-    def replace_records(self, records: list[dict[str, Any]]) -> None:
+    def replace_records(self, records: Iterable[Record]) -> None:
         """Replace all records; none can be added afterwards."""
-        self._lines[0].rewrite(records)
+        self._lines[0].rewrite(record.as_json() for record in records)
 
     def error_file(self, episode: str) -> Path:
         """The file with the reason of an `error`."""
         return self.path / "errors" / f"{episode}.txt"
 
-    def records(self) -> list[dict[str, Any]]:
+    def records(self) -> list[Record]:
         """All records, sorted by id."""
         return read_records(self.path)
 
-    def write_json(self, name: str, value: dict[str, Any]) -> None:
+    def write_json(self, name: str, value: Mapping[str, object]) -> None:
         """Write a JSON file of the folder with sorted keys, atomically."""
         write_json(self.path / name, value)
 
@@ -146,16 +127,12 @@ class RunFolder:
 
     def _keep_inputs(self) -> None:
         """Write what the plan's own files say, if it has any."""
-        kept = contents(*(self.asked["plan"].get(kind, ()) for kind in ("scenario", "weather")))
+        kept = contents(self.asked.names("scenario"), self.asked.names("weather"))
         if any(kept.values()):
             self.write_json(INPUTS, kept)
 
-    def _write_error(self, episode: str, reason: str) -> None:
-        path = self.error_file(episode)
-        write_text(path, reason.rstrip() + "\n")
 
-
-def admitted(path: Path, asked: dict[str, Any], resume: bool, mixed: bool) -> tuple[bool, str | None]:
+def admitted(path: Path, asked: Manifest, resume: bool, mixed: bool) -> tuple[bool, str | None]:
     """Whether the run of a folder is a new one, and the mark of its records if the fingerprint is another.
 
     InputError where the folder cannot take the run. Nothing is written.
@@ -163,7 +140,7 @@ def admitted(path: Path, asked: dict[str, Any], resume: bool, mixed: bool) -> tu
     if not resume or not (path / MANIFEST).exists():
         _check_new(path)
         return True, None
-    return False, digest(asked["fingerprint"]) if _has_other_fingerprint(path, asked, mixed) else None
+    return False, digest(asked.fingerprint) if _has_other_fingerprint(path, asked, mixed) else None
 
 
 def check_name(path: Path) -> None:
@@ -182,17 +159,17 @@ def _check_new(path: Path) -> None:
         raise InputError(f"{path}: expected an empty or new run folder, {remedy}")
 
 
-def _has_other_fingerprint(path: Path, asked: dict[str, Any], mixed: bool) -> bool:
+def _has_other_fingerprint(path: Path, asked: Manifest, mixed: bool) -> bool:
     """Check that plan and inputs are unchanged; return whether the fingerprint differs, which needs `mixed`."""
-    stored, asked = read_manifest(path), json.loads(json.dumps(asked))
-    for key in ("command", "plan", "scenarios", "weathers", "drivers"):
-        if (stored.get(key) or None) != (asked.get(key) or None):
-            what = change(stored.get(key), asked.get(key))
-            raise InputError(f"{path}: {option('resume')}: {key} changed: {what}; start a new run")
-    if stored["fingerprint"] == asked["fingerprint"]:
+    stored = read_manifest(path)
+    for key in ("command", "plan", *HASHED):
+        before, after = (getattr(one, key) for one in (stored, asked))
+        if before != after:
+            raise InputError(f"{path}: {option('resume')}: {key} changed: {change(before, after)}; start a new run")
+    if stored.fingerprint == asked.fingerprint:
         return False
     if not mixed:
-        what = change(stored["fingerprint"], asked["fingerprint"])
+        what = change(stored.fingerprint, asked.fingerprint)
         raise InputError(f"{path}: {option('resume')}: fingerprint changed: {what}; {option('mixed')} accepts it")
     return True
 
@@ -205,62 +182,22 @@ def _is_unwritten(path: Path) -> bool:
     return path.name in LINES and path.is_file() and path.stat().st_size == 0
 
 
-def write_json(path: Path, value: dict[str, Any]) -> None:
+def write_json(path: Path, value: Mapping[str, object]) -> None:
     """Write a JSON file with sorted keys, atomically."""
     write_text(path, json.dumps(value, indent=2, sort_keys=True, allow_nan=False) + "\n")
 
 
-def read_records(path: Path) -> list[dict[str, Any]]:
-    """The validated records of a run folder, sorted by id."""
-    file = path / "episodes.jsonl"
-    records = read_lines(file)
-    for record in records:
-        if "id" not in record:
-            raise InputError(f"{file}: expected a record with an id on each line, got a line without")
-        where = f"{file}: {_short(record['id'])}"
-        for key in failed(NO_JOB):
-            if key not in record:
-                raise InputError(f"{where}: key '{key}' is missing")
-        valid = checked(Record, record, where)
-        own = Job(valid.scenario, valid.weather, valid.driver, valid.seed).id
-        if own != valid.id:
-            raise InputError(f"{where}: expected the id of its scenario, weather, driver and seed, which is {own}")
-    return sorted(records, key=lambda record: str(record["id"]))
+def read_records(path: Path) -> list[Record]:
+    """The records of a run folder, sorted by id."""
+    file = path / LINES[0]
+    return sorted((read_record(row, str(file)) for row in read_lines(file)), key=lambda record: record.id)
 
 
-def read_manifest(path: Path) -> dict[str, Any]:
-    """The validated manifest of a run folder."""
-    file = path / MANIFEST
-    try:
-        stored: Any = json.loads(file.read_bytes())
-    except OSError as error:
-        raise InputError(f"{file}: expected the manifest of a run, got: {error.strerror}") from None
-    except (ValueError, RecursionError):
-        raise InputError(f"{file}: expected JSON, got something else") from None
-    for keys in (("plan", "fingerprint"), ("scenarios", "weathers")):
-        if not isinstance(stored, dict) or not all(isinstance(stored.get(key), dict) for key in keys):
-            raise InputError(f"{file}: expected a table for {keys[0]} and for {keys[1]}, got something else")
-    checked(Manifest, stored, str(file))
-    manifest: dict[str, Any] = stored
-    return manifest
-
-
-def stored_plan(path: Path) -> Plan:
-    """The plan of the run in a folder."""
-    return make_plan(read_manifest(path)["plan"], str(path / MANIFEST))
-
-
-def change(before: Any, after: Any) -> str:
-    """The differences of two tables as text."""
-    if isinstance(before, dict) and isinstance(after, dict):
-        keys = [key for key in sorted(before.keys() | after.keys()) if before.get(key) != after.get(key)]
-        return ", ".join(f"{key}: was {_short(before.get(key))}, is {_short(after.get(key))}" for key in keys)
-    return f"was {_short(before)}, is {_short(after)}"
-
-
-def _short(value: Any) -> str:
-    text = json.dumps(value)
-    return text if len(text) <= 80 else f"{text[:77]}..."
+def read_timing(path: Path) -> dict[str, Timing]:
+    """The timing of a run folder's episodes by id."""
+    file = path / LINES[1]
+    found = (checked(Timing, row, f"{file}: {row.get('id')!r}") for row in read_lines(file))
+    return {timing.id: timing for timing in found}
 
 
 LOCK = ".lock"  # an empty file in the folder; it may stay, since removing it while others wait is a race

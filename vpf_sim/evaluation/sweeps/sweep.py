@@ -2,24 +2,34 @@
 
 import os
 import platform
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterable, Iterator
 from functools import partial
 from math import isfinite
 from pathlib import Path
 from traceback import format_exc
-from typing import Any
+from typing import NamedTuple
 
 from vpf_sim import scenarios
 from vpf_sim.errors import InputError, option
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics import records
+from vpf_sim.evaluation.metrics import scoring
+from vpf_sim.evaluation.metrics.records import Record, Timing
 from vpf_sim.evaluation.processes import pool
 from vpf_sim.evaluation.sweeps.fingerprint import fingerprint
+from vpf_sim.evaluation.sweeps.manifest import HASHED, Manifest
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 
-Stored = tuple[dict[str, Any], dict[str, Any]]  # record, timing
+
+class Stored(NamedTuple):
+    """What a run folder stores of an episode beside its steps."""
+
+    record: Record
+    timing: Timing
+    traceback: str | None = None  # of an error
+
+
 Limit = Callable[[Job], float]  # s of wall time
 Results = Generator[pool.Done[Job, Stored], None, None]
 START_S = 60.0  # to import, and to score
@@ -37,14 +47,12 @@ def here(folder: RunFolder, jobs: Iterable[Job]) -> Results:
     return pool.here(partial(drive_and_store, folder.path, folder.mark, folder.asked), jobs)
 
 
-def store(
-    folder: RunFolder, results: Iterable[pool.Done[Job, Stored]], notify: Callable[[dict[str, Any]], None]
-) -> None:
+def store(folder: RunFolder, results: Iterable[pool.Done[Job, Stored]], notify: Callable[[Record], None]) -> None:
     """Store results as they arrive; `notify` is called with each record."""
     for done in results:
-        record, timing = done.result or given_up(done.task, folder.mark, done.reason)
-        timing |= {"worker": done.worker, "retries": done.attempts - 1}
-        folder.add(record, timing)
+        record, timing, traceback = done.result or given_up(done.task, folder.mark, done.reason)
+        by = {"worker": done.worker, "retries": done.attempts - 1}
+        folder.add(record, timing.model_copy(update=by), traceback)
         notify(record)
 
 
@@ -63,8 +71,8 @@ def _slow_s(job: Job) -> float:
     return START_S + SLOWEST * scenarios.load(job.scenario).draw(job.seed).time_limit_s
 
 
-def drive_and_store(folder: Path, mark: str | None, asked: dict[str, Any], job: Job) -> Stored:
-    """Drive one episode, store its steps, and return record and timing; an exception becomes status `error`.
+def drive_and_store(folder: Path, mark: str | None, asked: Manifest, job: Job) -> Stored:
+    """Drive one episode, store its steps, and return what else is stored; an exception becomes status `error`.
 
     InputError if code or input files changed since the sweep began: a worker that replaces a dead one would load the
     edited files.
@@ -72,30 +80,30 @@ def drive_and_store(folder: Path, mark: str | None, asked: dict[str, Any], job: 
     changed = [*changes(asked, job)]
     if changed:
         raise InputError(f"{', '.join(changed)}: changed while the sweep was running")
-    record, timing, table = drive(mark, job)
+    stored, table = drive(mark, job)
     if table is not None:
         steps.write(table, folder / "steps" / f"{job.id}.parquet")
-    return record, timing
+    return stored
 
 
-def changes(asked: Mapping[str, Any], job: Job) -> Iterator[str]:
+def changes(asked: Manifest, job: Job) -> Iterator[str]:
     """Names of fingerprint entries and inputs that differ from the manifest."""
-    own = fingerprint()
-    yield from (key for key in own if own[key] != asked["fingerprint"].get(key))
-    for kind, hashes in Plan.of(job).hashes().items():
-        yield from (name for name, value in hashes.items() if asked.get(kind, {}).get(name) != value)
+    own, inputs = fingerprint(), Plan.of(job).hashes()
+    yield from (key for key in own if own[key] != asked.fingerprint.get(key))
+    for kind in HASHED:
+        yield from (name for name, value in inputs[kind].items() if asked.hashes(kind).get(name) != value)
 
 
-def drive(mark: str | None, job: Job) -> tuple[dict[str, Any], dict[str, Any], steps.StepTable | None]:
-    """Drive one episode: record, timing and steps."""
+def drive(mark: str | None, job: Job) -> tuple[Stored, steps.StepTable | None]:
+    """Drive one episode: what is stored of it, and its steps."""
     from vpf_sim.evaluation.episode import episode
 
     try:
         result = episode.run(*job)
     except Exception:
-        return *given_up(job, mark, format_exc()), None
-    timing = {**result.timing, "host": platform.node(), "process": os.getpid()}
-    return marked(result.record, mark), timing, result.steps
+        return given_up(job, mark, format_exc()), None
+    timing = result.timing.model_copy(update={"host": platform.node(), "process": os.getpid()})
+    return Stored(result.record.marked(mark), timing, result.traceback), result.steps
 
 
 def default_workers() -> int:
@@ -106,10 +114,5 @@ def default_workers() -> int:
 
 
 def given_up(job: Job, mark: str | None, reason: str) -> Stored:
-    """Record and timing of an episode without a result."""
-    return marked(records.failed(job), mark), {"id": job.id, "traceback": reason, "host": platform.node()}
-
-
-def marked(record: dict[str, Any], mark: str | None) -> dict[str, Any]:
-    """The record, with the fingerprint's digest if it differs from the run's."""
-    return record if mark is None else {**record, "fingerprint": mark}
+    """What is stored of an episode without a result; its record is marked where the version is not the run's."""
+    return Stored(scoring.failed(job).marked(mark), Timing(id=job.id, host=platform.node()), reason)
