@@ -9,8 +9,9 @@ from short_scenario import SHORT, write_short
 import vpf_sim
 from vpf_sim import cli
 from vpf_sim.cli.results import print_rows
-from vpf_sim.evaluation.gate.cells import Cell
+from vpf_sim.evaluation.analysis.rows import Cell
 from vpf_sim.evaluation.gate.checks import NO_SUCCESS, Check, listed
+from vpf_sim.reporting.stored_run import open_run
 
 MOST_LINES = 20
 
@@ -55,7 +56,7 @@ def test_a_table_names_files_without_their_folders_and_shows_no_figures_of_lost_
     (row,) = run.summary()["rows"]
     assert row["successes"] == 0
     assert row["unsuccessful"]["path_mse_m2"] is not None
-    print_rows(run.summary()["rows"])
+    print_rows(open_run(run.path).summary().rows)
     said = capsys.readouterr().out
     assert str(tmp_path) not in said
     cells = said.splitlines()[2].split()

@@ -15,9 +15,10 @@ import vpf_sim
 from vpf_sim import cli
 from vpf_sim.evaluation.analysis.statistics import Difference, Interval, paired_difference, paired_shares
 from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.metrics.registry import SUCCESS
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.reporting import changes, compare_page
-from vpf_sim.reporting.two_runs import SUCCESS, compared, open_two, verdict
+from vpf_sim.reporting.two_runs import compared, open_two, verdict
 
 SEEDS = range(12)
 COLLIDED = {"status": "collision", "collided_with": "car"}
@@ -76,13 +77,13 @@ def test_scores_are_paired_differences(tmp_path: Path) -> None:
         np.array([change(Job("town04", "clear", "vpf", seed)) != COLLIDED for seed in SEEDS])
         for change in (after, before)
     ]
-    assert found[SUCCESS].difference == paired_shares(*reached)
-    assert (found[SUCCESS].a, found[SUCCESS].b) == pytest.approx((9 / 12, 10 / 12))
+    assert found[SUCCESS.key].difference == paired_shares(*reached)
+    assert (found[SUCCESS.key].a, found[SUCCESS.key].b) == pytest.approx((9 / 12, 10 / 12))
     both = np.arange(3, 11)
     expected = paired_difference(np.full(8, 0.3), 0.5 + 0.01 * both)
     assert expected is not None
     assert found["path_mse_m2"].difference == expected
-    assert (found["path_mse_m2"].verdict, found[SUCCESS].verdict) == ("better", "undecided")
+    assert (found["path_mse_m2"].verdict, found[SUCCESS.key].verdict) == ("better", "undecided")
     assert "perception.objects.recall" not in found, "no record has it"
 
 

@@ -84,7 +84,8 @@ WORDS = {
 
 def warn(records: Iterable["Record"]) -> None:
     """Print a warning on stderr for each record that ended by an invalid frame."""
-    ended = [(record.id, invalid) for record in records if (invalid := record.invalid_frame) is not None]
+    by_frame = (record for record in records if record.status == "invalid_frame")
+    ended = [(record.id, invalid) for record in by_frame if (invalid := record.invalid_frame) is not None]
     for episode, invalid in ended[:MOST]:
         print(f"vpf-sim: WARNING: {episode}: {sentence(invalid)}", file=sys.stderr)
     if len(ended) > MOST:

@@ -11,6 +11,10 @@ import pytest
 from short_scenario import write_short
 
 from vpf_sim.api import filling
+from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.metrics.records import Record
+from vpf_sim.evaluation.metrics.scoring import failed
+from vpf_sim.evaluation.outcome import InvalidFrame
 from vpf_sim.evaluation.sweeps.json_lines import read_lines
 
 BREAKING = """
@@ -55,9 +59,10 @@ def test_a_broken_camera_prints_a_warning(command: list[str], tmp_path: Path) ->
     assert record["invalid_frame"] == {"frame": 19, "time_s": pytest.approx(19 / 60), "fault": "black"}
 
 
-def record(number: int, **changes: Any) -> dict[str, Any]:
-    invalid = {"frame": 3, "time_s": 0.05, "fault": "stale"}
-    return {"id": f"town04.{number}", "status": "invalid_frame", "invalid_frame": invalid, **changes}
+def record(number: int, **changes: Any) -> Record:
+    invalid = InvalidFrame(frame=3, time_s=0.05, fault="stale")
+    job = Job("town04", "clear", "vpf", number)
+    return failed(job, "invalid_frame", invalid).model_copy(update=changes)
 
 
 def test_only_invalid_frames_are_warned_of(capsys: pytest.CaptureFixture[str]) -> None:
@@ -69,5 +74,7 @@ def test_many_warnings_are_counted(capsys: pytest.CaptureFixture[str]) -> None:
     filling.warn(record(number) for number in range(filling.MOST + 5))
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == filling.MOST + 2
-    assert lines[0].startswith("vpf-sim: WARNING: town04.0: invalid frame 3, at 0.050 s: the same as the one before")
+    assert lines[0].startswith(
+        "vpf-sim: WARNING: town04.clear.vpf.0: invalid frame 3, at 0.050 s: the same as the one before"
+    )
     assert lines[-2] == "vpf-sim: WARNING: and 5 more episodes with an invalid frame"

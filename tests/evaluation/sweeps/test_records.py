@@ -204,7 +204,7 @@ def test_a_resumed_folder_has_its_finished_episodes(tmp_path: Path) -> None:
     [
         ("command", "benchmark", 'command changed: was "sweep", is "benchmark"'),
         ("plan", {**ASKED["plan"], "seeds": "0:6"}, 'plan changed: seeds: was "0:5", is "0:6"'),
-        ("drivers", {"mine:Own": "new"}, 'drivers changed: was {}, is {"mine:Own": "new"}'),
+        ("drivers", {"mine:Own": "new"}, 'drivers changed: mine:Own: was null, is "new"'),
         ("scenarios", {"town04": "xyz"}, 'scenarios changed: town04: was "abc", is "xyz"'),
         (
             "fingerprint",
