@@ -7,12 +7,11 @@ from dataclasses import dataclass, field
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from vpf_sim.evaluation.metrics.records import Record
-
 if TYPE_CHECKING:
+    from vpf_sim.evaluation.metrics.records import Record
     from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 
-Notify = Callable[[Record], None]
+Notify = Callable[["Record"], None]
 FAULTS = ("error", "invalid_frame")
 
 
@@ -27,7 +26,7 @@ class Tally:
     driven: int = 0  # episodes of this session
     started_s: float = field(default_factory=lambda: monotonic())
 
-    def count(self, record: Record) -> None:
+    def count(self, record: "Record") -> None:
         self.done, self.driven = self.done + 1, self.driven + 1
         self.reached += record.succeeded
         self.failed += record.status in FAULTS
@@ -55,7 +54,7 @@ def progress(total: int, folder: "RunFolder") -> Iterator[Notify]:
     tally = Tally(total, len(folder.done))
     with _bar(tally) if sys.stderr.isatty() else _lines(tally) as (show, say):
 
-        def notify(record: Record) -> None:
+        def notify(record: "Record") -> None:
             tally.count(record)
             show(record)
             if record.status == "error":
@@ -69,7 +68,7 @@ Display = tuple[Notify, Callable[[str], None]]
 
 @contextmanager
 def _lines(tally: Tally) -> Iterator[Display]:
-    def show(record: Record) -> None:
+    def show(record: "Record") -> None:
         say(f"{tally.done}/{tally.total} {record.id} {record.status} ({tally.text()})")
 
     yield show, say
@@ -84,7 +83,7 @@ def _bar(tally: Tally) -> Iterator[Display]:
     with Progress(*columns, console=Console(stderr=True)) as bar:
         task = bar.add_task(tally.text(), total=tally.total, completed=tally.done)
 
-        def show(record: Record) -> None:
+        def show(record: "Record") -> None:
             bar.update(task, completed=tally.done, description=f"{tally.text()}, last {record.id}")
 
         yield show, lambda line: bar.console.print(line, markup=False, highlight=False, soft_wrap=True)

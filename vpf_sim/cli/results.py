@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from vpf_sim.api.progress import FAULTS
-from vpf_sim.cli.tables import number, plain_unit, print_table, shown, within
+from vpf_sim.cli.tables import number, percent, plain_unit, print_table, shown, within
 from vpf_sim.evaluation.analysis.rows import Comparison, Row, Summary, read_summary
 from vpf_sim.evaluation.analysis.statistics import Difference
 from vpf_sim.evaluation.metrics.metric import Metric
@@ -85,3 +85,48 @@ def _cells(row: Row) -> tuple[str, ...]:
 def _cell(row: Row, metric: Metric) -> str:
     """The mean with its interval; figures of drives that arrived have none without such a drive."""
     return shown(metric, row[metric], row.interval(metric))
+
+
+BENCHMARK = ("scenario", "weather", "driver", "success", "MSE, m2", "throttle, %", "steering, %", "clearance, m")
+
+
+def print_benchmark(rows: Sequence[Row], seeds: str) -> None:
+    """Print a row for each scenario, weather and driver, and how to read them."""
+    ordered = sorted(rows, key=_benchmark_place)
+    print_table(BENCHMARK, [_benchmark_cells(row) for row in ordered], words=3)
+    print(f"\nSeeds {seeds}: {_answer(ordered[0].driver, rows)}.")
+    print("After the slash: the paper, which does not define accuracy; ours is 1 - mean |u - u_PID| / 2.")
+
+
+def _answer(driver: str, rows: Sequence[Row]) -> str:
+    """How often a driver succeeded in all cells, and its least clearance."""
+    own = [row for row in rows if row.driver == driver]
+    gaps = [gap for row in own if (gap := row[LEAST_CLEARANCE]) is not None]
+    successes, episodes = sum(row.successes for row in own), sum(row.episodes for row in own)
+    passed = f", at least {min(gaps):.2f} m from parked cars" if gaps else ""
+    return f"{driver} reached the goal in {successes} of {episodes} drives{passed}"
+
+
+def _benchmark_place(row: Row) -> tuple[int, int, int, str]:
+    """Sort key: scenarios, weathers and drivers in the benchmark's order, then a user's drivers."""
+    from vpf_sim.evaluation.analysis.benchmark import DRIVERS, SCENARIOS, WEATHERS
+
+    driver = DRIVERS.index(row.driver) if row.driver in DRIVERS else len(DRIVERS)
+    return SCENARIOS.index(row.scenario), WEATHERS.index(row.weather), driver, row.driver
+
+
+def _benchmark_cells(row: Row) -> tuple[str, ...]:
+    """Means over the successful episodes, each beside the paper's value; a dash without success."""
+    paper, scores = row.paper or {}, row.scores if row.successes else {}
+    accuracies = [
+        f"{percent(scores.get(metric.key))} / {percent(paper.get(metric.paper))}" for metric in (THROTTLE, STEERING)
+    ]
+    return (
+        row.scenario,
+        row.weather,
+        driver_name(row),
+        f"{row.successes}/{row.episodes}",
+        f"{number(scores.get(PATH_MSE.key), PATH_MSE.digits)} / {number(paper.get(PATH_MSE.paper))}",
+        *accuracies,
+        number(row[LEAST_CLEARANCE]),
+    )

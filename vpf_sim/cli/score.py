@@ -27,8 +27,7 @@ def score(run: RunArgument, json: JsonOption = False) -> None:
 
 
 def _print(done: "Rescored") -> None:
-    from vpf_sim.cli.benchmark import print_benchmark
-    from vpf_sim.cli.results import print_comparisons, print_rows
+    from vpf_sim.cli.results import print_benchmark, print_comparisons, print_rows
 
     if done.command == "benchmark":
         print_benchmark(done.summary.rows, done.seeds)
