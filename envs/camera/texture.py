@@ -10,20 +10,22 @@ from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
 
 TILE = 1024  # texels
+ROUNDED = 2.0**-20
 
 
 def noise(shape: tuple[int, int], rng: np.random.Generator, shortest: float, slope: float) -> Floats:
     """Periodic Gaussian noise, mean 0, sd 1, without wavelengths below `shortest` texels.
 
-    Its amplitude falls with the frequency f as f^-slope.
+    Its amplitude falls with the frequency f as f^-slope. Computed in doubles, and rounded far above their last bits, so
+    that it is the same on every processor.
     """
-    spectrum = fft.rfft2(rng.standard_normal(shape, dtype=np.float32))
-    frequency = np.hypot(fft.fftfreq(shape[0])[:, None], fft.rfftfreq(shape[1])[None, :]).astype(np.float32)
+    spectrum = fft.rfft2(rng.standard_normal(shape, dtype=np.float32).astype(np.float64))
+    frequency = np.hypot(fft.fftfreq(shape[0])[:, None], fft.rfftfreq(shape[1])[None, :])
     frequency[0, 0] = 1.0
     spectrum *= frequency**-slope * np.exp(-((frequency * shortest) ** 4))
     spectrum[0, 0] = 0.0
     field = fft.irfft2(spectrum, s=shape)
-    return np.asarray(field / field.std(), np.float64)
+    return np.asarray(np.round(field / field.std() / ROUNDED) * ROUNDED)
 
 
 @lru_cache(maxsize=8)

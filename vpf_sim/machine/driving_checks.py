@@ -17,6 +17,7 @@ from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.episode import roll_out
 from vpf_sim.evaluation.processes import pool
 from vpf_sim.evaluation.processes.threads import limit_opencv
+from vpf_sim.machine import equal_frames
 from vpf_sim.machine.installation import BROKEN, Check
 from vpf_sim.scenarios.parts import Limits
 from vpf_sim.types import Camera, Image
@@ -50,6 +51,7 @@ def checks() -> dict[str, Callable[[], Check]]:
         "speed": lambda: speed(samples.run),
         "same again": lambda: same("same again", samples.run, short_episode(SEED)),
         "same elsewhere": lambda: same("same elsewhere", samples.run, in_fresh_process(SEED)),
+        "equal frames": equal_frames.check,
     }
 
 

@@ -107,3 +107,5 @@ def test_a_machine_without_a_compiler_gets_one_from_the_package_index(tmp_path: 
         archive.extract("vpf_sim/envs/camera/core/_core.abi3.so", tmp_path)
     core = tmp_path / "vpf_sim" / "envs" / "camera" / "core" / "_core.abi3.so"
     assert printed(core, USE) == printed(Path(_core.__file__), USE)
+    quick = "from vpf_sim.machine.equal_frames import QUICK, drawn, expected\n"
+    assert printed(core, f"{quick}print(dict(drawn(*QUICK)).items() <= expected().items())") == "True\n"
