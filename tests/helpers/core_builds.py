@@ -1,7 +1,6 @@
 """Other builds of the camera's core, and code that runs with one of them."""
 
 import os
-import re
 import shutil
 import subprocess
 import sys
@@ -15,7 +14,6 @@ from vpf_sim.envs.camera.core import SOURCES
 
 FOLDER = Path(__file__).parents[2] / "envs" / "camera" / "core"
 FILES = sorted(map(str, FOLDER.rglob("*.c")))
-WITHOUT_PYTHON = [path for path in FILES if not re.search('"bind(ing)?.h"|<Python.h>', Path(path).read_text("utf-8"))]
 HAS_GCC = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 PRELUDE = """
 import importlib.util, sys

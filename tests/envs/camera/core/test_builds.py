@@ -8,10 +8,12 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from core_builds import FOLDER, HAS_GCC, WITHOUT_PYTHON, build, printed
+from core_builds import FILES, FOLDER, HAS_GCC, build, printed
+from recorded_calls import recorded
 
 from building import compiler
 from vpf_sim.envs.camera.core import _core
+from vpf_sim.machine import equal_frames
 
 ROOT = Path(__file__).parents[4]
 USE = f"""
@@ -42,7 +44,7 @@ for width, height in ((84, 84), (161, 121), (9, 5)):
         module.glass_hidden(glass, hidden)
         print(sha256(frame.tobytes() + hidden.tobytes()).hexdigest())
 """
-C_PROGRAM = str(ROOT / "tests" / "helpers" / "print_core.c")
+REPLAY = str(ROOT / "tests" / "helpers" / "replay.c")
 CROSS = "aarch64-linux-gnu-gcc"
 
 
@@ -68,22 +70,29 @@ def test_a_core_older_than_its_c_files_is_refused(tmp_path: Path) -> None:
     assert "older than its C files: run `make core`" in printed(core, code)
 
 
-def native_program(folder: Path, command: list[str], name: str) -> list[str]:
-    """Compile the program without Python; returns the command that runs it."""
-    program = folder / name
-    flags = [*compiler.FLAGS, f"-I{FOLDER}"]
-    subprocess.run([*command, *flags, C_PROGRAM, *WITHOUT_PYTHON, "-lm", "-o", str(program)], check=True)
-    return [str(program)]
+def replayed(command: list[str], emulator: list[str], calls: Path) -> list[str]:
+    """The checksums of recorded calls from a program that a compiler makes without Python."""
+    program = calls.with_suffix(f".{command[0]}")
+    flags = [*compiler.FLAGS, "-DVC_SOURCES=replayed", f"-I{FOLDER}", f"-I{compiler.HEADERS}"]
+    subprocess.run([*command, *flags, REPLAY, *FILES, "-lm", "-o", str(program)], check=True)
+    with calls.open("rb") as source:
+        done = subprocess.run([*emulator, str(program)], stdin=source, capture_output=True, text=True, check=True)
+    return done.stdout.splitlines()
 
 
 @pytest.mark.slow
 @HAS_GCC
 @pytest.mark.skipif(shutil.which(CROSS) is None, reason=f"needs {CROSS} (Debian: gcc-aarch64-linux-gnu)")
 @pytest.mark.skipif(shutil.which("qemu-aarch64") is None, reason="needs qemu-aarch64 (Debian: qemu-user)")
-def test_aarch64_computes_the_same(tmp_path: Path) -> None:
-    here = native_program(tmp_path, ["gcc"], "here")
-    there = native_program(tmp_path, [CROSS, "-static"], "there")
-    assert output(["qemu-aarch64", *there]) == output(here)
+def test_aarch64_draws_the_same_frames(tmp_path: Path) -> None:
+    """All calls that draw the doctor's frames, with the content that they got here."""
+    calls = tmp_path / "calls"
+    with calls.open("wb") as out, recorded(out) as recorder:
+        drawn = dict(equal_frames.drawn(*equal_frames.QUICK))
+    assert drawn.items() <= equal_frames.expected().items()
+    assert len({line for line in recorder.checksums if "draw" in line}) > 60
+    assert replayed([CROSS, "-static"], ["qemu-aarch64"], calls) == recorder.checksums
+    assert replayed(["gcc"], [], calls) == recorder.checksums
 
 
 @pytest.mark.slow
