@@ -12,17 +12,22 @@ from vpf_sim.errors import shown
 Number = float | None  # also bool and int; None where nothing was measured
 Scores = Mapping[str, Number]
 Json = dict[str, object]  # an object of a JSON file
+LARGEST = float_info.max
 
 
-def flat(table: Mapping[str, object], prefix: str = "") -> dict[str, object]:
+def flat(table: Mapping[str, object]) -> dict[str, object]:
     """The values of nested tables by dotted key; an empty table is a value."""
     found: dict[str, object] = {}
+    _flatten(table, "", found)
+    return found
+
+
+def _flatten(table: Mapping[str, object], prefix: str, found: dict[str, object]) -> None:
     for key, value in table.items():
         if isinstance(value, dict) and value:
-            found |= flat(value, f"{prefix}{key}.")
+            _flatten(value, f"{prefix}{key}.", found)
         else:
             found[prefix + key] = value
-    return found
 
 
 def nested(values: Mapping[str, object]) -> Json:
@@ -47,7 +52,7 @@ def nested(values: Mapping[str, object]) -> Json:
 def numbers(values: Mapping[str, object], tables: Iterable[str] = ()) -> dict[str, Number]:
     """The values as scores; ValueError for one that is no finite number, or no table at one of the keys `tables`."""
     for key, value in values.items():
-        if value is not None and not (isinstance(value, float | int) and abs(value) <= float_info.max):
+        if value is not None and not (isinstance(value, (float, int)) and -LARGEST <= value <= LARGEST):
             raise ValueError(f"{key}: expected a valid number, got {shown(value)}")
     for key in tables:
         if values.get(key) is not None:

@@ -73,26 +73,28 @@ def _row(cell: Cell, privileged: str, found: Sequence[Record | None]) -> Row:
     driven = sorted((record for record in found if record is not None), key=lambda record: record.seed)
     success = [record for record in driven if record.succeeded]
     others = [record for record in driven if not record.succeeded]
+    values = {**_values(success, OF_SUCCESSES), **_values(driven, OF_DRIVEN)}
     return Row(
         **cell._asdict(),
         privileged=privileged,
         episodes=len(found),
         successes=len(success),
         statuses=dict(Counter(record.status for record in driven)),
-        scores=_scores(success, driven, len(found)),
-        intervals=_intervals(success, driven, len(found)),
+        scores=_scores(success, driven, len(found), values),
+        intervals=_intervals(success, len(found), values),
         seeds_needed=_seeds_needed(success, len(found)),
-        unsuccessful=_by_key(others, (*OF_SUCCESSES, COMPLETION.key), fmean),
+        unsuccessful=_of_each(_values(others, (*OF_SUCCESSES, COMPLETION.key)), fmean),
         paper=PAPER.get((cell.scenario, cell.weather)),
     )
 
 
-def _scores(success: Sequence[Record], driven: Sequence[Record], planned: int) -> dict[str, Number]:
+def _scores(
+    success: Sequence[Record], driven: Sequence[Record], planned: int, values: Mapping[str, list[float]]
+) -> dict[str, Number]:
     """Means, with the share of successes, the counts of collisions, and the least clearance."""
     comfortable = _present(success, COMFORTABLE)
     return {
-        **_by_key(success, OF_SUCCESSES, fmean),
-        **_by_key(driven, OF_DRIVEN, fmean),
+        **_of_each(values, fmean),
         SUCCESS.row_key: len(success) / planned,
         **{metric.row_key: int(sum(_present(driven, metric))) for metric in (COLLISIONS, AT_FAULT)},
         LEAST_CLEARANCE.row_key: min(_present(success, CLEARANCE), default=None),
@@ -100,11 +102,12 @@ def _scores(success: Sequence[Record], driven: Sequence[Record], planned: int) -
     }
 
 
-def _intervals(success: Sequence[Record], driven: Sequence[Record], planned: int) -> dict[str, Interval | None]:
+def _intervals(
+    success: Sequence[Record], planned: int, values: Mapping[str, list[float]]
+) -> dict[str, Interval | None]:
     comfortable = _present(success, COMFORTABLE)
     return {
-        **_by_key(success, OF_SUCCESSES, interval),
-        **_by_key(driven, OF_DRIVEN, interval),
+        **_of_each(values, interval),
         SUCCESS.row_key: share_interval(len(success), planned),
         COMFORTABLE.row_key: share_interval(sum(comfortable), len(comfortable)) if comfortable else None,
     }
@@ -119,21 +122,24 @@ def _seeds_needed(success: Sequence[Record], planned: int) -> dict[str, int | No
     }
 
 
-def _by_key(
-    records: Sequence[Record], measures: Sequence[str], of: Callable[[Sequence[float]], Found]
-) -> dict[str, Found | None]:
-    """A function of the values of each score of some measures, which are scores or tables; None without values."""
-    wanted: set[str] = set(measures)
-    values: dict[str, list[float]] = {}
+def _values(records: Sequence[Record], measures: Sequence[str]) -> dict[str, list[float]]:
+    """The values of each score of some measures, which are scores or tables, by dotted key."""
+    values: dict[str, list[float]] = {key: [] for key in measures if not any(key in one.scores for one in records)}
+    wanted: dict[str, bool] = {}
     for record in records:
         for key, value in record.scores.items():
-            if key.partition(".")[0] in wanted:
-                column = values.setdefault(key, [])
-                if value is not None:
-                    column.append(value)
-    found = {key: of(column) if column else None for key, column in values.items()}
-    there = {key.partition(".")[0] for key in values}
-    return {**dict.fromkeys(wanted - there), **found}
+            if key not in wanted:
+                wanted[key] = key.partition(".")[0] in measures
+                if wanted[key]:
+                    values[key] = []
+            if wanted[key] and value is not None:
+                values[key].append(value)
+    return values
+
+
+def _of_each(values: Mapping[str, list[float]], of: Callable[[Sequence[float]], Found]) -> dict[str, Found | None]:
+    """A function of the values of each score; None without values."""
+    return {key: of(column) if column else None for key, column in values.items()}
 
 
 def _present(records: Sequence[Record], metric: Metric) -> list[float]:

@@ -5,7 +5,7 @@ kept as they are. nan and inf are stored as None.
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TypeVar
 
 from pydantic import BaseModel, ConfigDict, SkipValidation, ValidationError
@@ -83,6 +83,7 @@ class Record(Schema):
 
 
 _SCORED = {measure.key for measure in MEASURES}
+_TABLES = [table.key for table in TABLES]
 _OWN = Record.model_fields.keys() - {"scores", "unknown"}
 
 
@@ -106,16 +107,15 @@ def read_record(row: Json, file: str) -> Record:
     """The record of a line of `file`; InputError in one line where it is none."""
     if "id" not in row:
         raise InputError(f"{file}: expected a record with an id on each line, got a line without")
-    where = f"{file}: {short(row['id'])}"
-    scores = {key: row[key] for key in row.keys() & _SCORED}
-    unknown = {key: row[key] for key in row.keys() - _SCORED - _OWN}
     try:
-        values = numbers(flat(scores), [table.key for table in TABLES])
+        values = numbers(flat({key: row[key] for key in row.keys() & _SCORED}), _TABLES)
     except ValueError as error:
-        raise InputError(f"{where}: {error}") from None
-    own = {key: row[key] for key in row.keys() & _OWN}
-    record = checked(Record, {**own, "scores": values, "unknown": unknown}, where)
+        raise InputError(f"{file}: {short(row['id'])}: {error}") from None
+    own: Json = {key: row[key] for key in row.keys() & _OWN}
+    own |= {"scores": values, "unknown": {key: row[key] for key in row.keys() - _SCORED - _OWN}}
+    record = checked(Record, own, lambda: f"{file}: {short(row['id'])}")
     if (expected := record.job.id) != record.id:
+        where = f"{file}: {short(row['id'])}"
         raise InputError(f"{where}: expected the id of its scenario, weather, driver and seed, which is {expected}")
     return record
 
@@ -123,7 +123,7 @@ def read_record(row: Json, file: str) -> Record:
 Checked = TypeVar("Checked", bound=BaseModel)
 
 
-def checked(schema: type[Checked], value: Mapping[str, object], where: str) -> Checked:
+def checked(schema: type[Checked], value: Mapping[str, object], where: str | Callable[[], str]) -> Checked:
     """The value validated by a schema; InputError with `where` and the first fault in one line."""
     try:
         return schema.model_validate(value)
@@ -132,7 +132,8 @@ def checked(schema: type[Checked], value: Mapping[str, object], where: str) -> C
         key = ".".join(map(str, fault["loc"]))
         message = str(fault["msg"]).removeprefix("Value error, ")
         got = f"{key}: {wrong_value(message, fault['input'])}"
-        raise InputError(f"{where}: " + (f"key '{key}' is missing" if fault["type"] == "missing" else got)) from None
+        place = where if isinstance(where, str) else where()
+        raise InputError(f"{place}: " + (f"key '{key}' is missing" if fault["type"] == "missing" else got)) from None
 
 
 def short(value: object) -> str:
