@@ -3,14 +3,8 @@
 from vpf_sim.types import Camera
 
 FULL_PX = 320.0  # focal length for which the distances of details are given: 640 px over 90 deg
-STALE_M, STALEST_M = 0.3, 1.0  # most motion of the camera before visibility is updated, at full detail and at any
 
 
 def detail(camera: Camera) -> float:
     """The share of those distances at which this camera shows as much, at most 1."""
     return min(1.0, camera.fx_px / FULL_PX)
-
-
-def stale_m(camera: Camera) -> float:
-    """m, motion of the camera after which other faces may be visible by as many pixels as at full detail."""
-    return min(STALEST_M, STALE_M / detail(camera))

@@ -1,13 +1,11 @@
 """Haze: fog and rain attenuate contrast with the distance."""
 
-import cv2
 import numpy as np
 
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.sky.hills import HILLS
-from vpf_sim.timing import timed
 from vpf_sim.types import Camera, Floats, Image
 
 LEAST_LEVELS = 1.0  # smaller changes are left out
@@ -42,19 +40,6 @@ class Haze:
     def ground_rows(self) -> Image:
         """(rows, 4) transmission of 255 and the air's RGB, of the rows of the ground that show haze."""
         return np.concatenate([self._transmission[:, 0, :1], self._added[:, 0]], axis=1)
-
-    @timed("render.haze")
-    def ground(self, frame: Image) -> None:
-        """Apply haze to the rows of the ground, in place."""
-        if len(self._transmission):
-            part = frame[self._rows]
-            cv2.multiply(part, self._transmission, part, scale=1 / 255)
-            cv2.add(part, self._added, part)
-
-    def colours(self, colours: Floats, depth_m: Floats) -> Floats:
-        """(n, 3) colours with the haze at (n,) depths."""
-        transmission = self.transmission(depth_m)[:, None]
-        return np.asarray(self._horizon + (colours - self._horizon) * transmission)
 
     def _is_visible(self, transmission: Floats) -> Floats:
         """Where a transmission changes any colour by a grey level."""

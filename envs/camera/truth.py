@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.envs.camera.lens import Lens
-from vpf_sim.envs.camera.painter import Drawing, Sprite
 from vpf_sim.envs.camera.snapshot import Snapshot
 from vpf_sim.types import Camera, Floats
 
@@ -40,14 +39,6 @@ class Motion:
 
 
 STILL = Motion(np.zeros(3), np.zeros(3))
-
-
-@dataclass(frozen=True, slots=True)
-class Drawn:
-    """One drawn item of the frame, in painter's order."""
-
-    drawing: Drawing | Sprite
-    instance: int  # -1 scenery, i + 1 object i
 
 
 @dataclass(frozen=True, slots=True)

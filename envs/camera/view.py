@@ -47,12 +47,6 @@ class View:
         depth = (pitch_c * c, pitch_c * s, -pitch_s)
         return cls.of(camera, centre, float(yaw_rad), np.array((right, down, depth)))
 
-    def in_object_axes(self, to_world: Floats) -> "View":
-        """The view in an object's axes; `to_world` is (4, 4) from there (see `object_to_world`)."""
-        turn = to_world[:3, :3]
-        eye = (self.centre - to_world[:3, 3]) @ turn
-        return View(self.camera, eye, self.yaw_rad, self.axes @ turn, self.projection @ to_world)
-
     def camera_axes(self, points: Floats) -> Floats:
         """(..., 3) world points in camera axes."""
         relative: Floats = (points - self.centre) @ self.axes.T
@@ -73,13 +67,6 @@ class View:
         """
         image = np.linalg.inv(self.projection[:, (0, 1, 3)])
         return np.asarray(self.camera.height_m * image)
-
-
-def object_to_world(pose: Floats) -> Floats:
-    """(4, 4) from points (ahead, right, up, 1) m of an object at a pose (x, y, heading) to the world."""
-    x, y, heading = pose.tolist()
-    c, s = cos(heading), sin(heading)
-    return np.array(((c, -s, 0.0, x), (s, c, 0.0, y), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0)))
 
 
 def clip_near(polygons: Floats, inside: Bools, near_m: float = NEAR_M) -> Floats:

@@ -17,11 +17,10 @@ from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.night.content import FrameLamps, set_lamps
 from vpf_sim.envs.camera.rain.content import WetSurface, wet_surface
 from vpf_sim.envs.camera.scenery.bands import banded
-from vpf_sim.envs.camera.scenery.content import add_mesh, set_light, set_roadside
+from vpf_sim.envs.camera.scenery.content import NO_SUN, add_mesh, set_light, set_roadside
 from vpf_sim.envs.camera.scenery.object_meshes import object_mesh
 from vpf_sim.envs.camera.scenery.objects import kind_of, object_size
 from vpf_sim.envs.camera.scenery.roadside import group_of
-from vpf_sim.envs.camera.scenery.shadows import NO_SUN
 from vpf_sim.envs.camera.scenery.static_scenery import StaticScenery
 from vpf_sim.envs.camera.scenery.tree_content import plant
 from vpf_sim.envs.camera.sky.content import add_sky
@@ -44,7 +43,7 @@ class World:
         self._bodies = 0
         self._core = core = Core(camera, ground_top(camera))
         shapes, haze = lane_shapes(road), Haze(camera, atmosphere, light)
-        scenery = StaticScenery(camera, shapes, light, haze, seed)
+        scenery = StaticScenery(camera, shapes, light, seed)
         appearance = getattr(road.network, "appearance", None)
         look = RoadAppearance() if appearance is None else appearance
         shaded = appearance is not None and appearance.shadows and light.shadow < NO_SUN
@@ -58,7 +57,7 @@ class World:
         if scenery.lamplight is not None:
             set_lamps(core, scenery.lamplight)
             self._lamps = FrameLamps(core, scenery.lamplight)
-        set_roadside(core, group_of(scenery.furniture, None, camera))
+        set_roadside(core, group_of(scenery.furniture, camera))
         plant(core, scenery.trees, light, haze)
         self._wet = wet_surface(core, shapes, light, atmosphere, seed)
         self._drawn: tuple[Snapshot, Snapshot] | None = None  # the last frame that was drawn, and the one before

@@ -119,7 +119,7 @@ int vc_raster_texels(const vc_core *core, int level); /* rows x columns, 0 witho
 vc_status vc_read_raster(const vc_core *core, int level, uint16_t *texels);
 
 /* A panorama at infinity: columns by azimuth, rows by elevation. Texels in units of 1 / VC_TEXEL. */
-enum { VC_TEXEL = 32 };
+enum { VC_TEXEL = 128 };
 typedef struct {
     int top, bottom;          /* rows of the image that it fills */
     int coarse;               /* sampled on every `coarse`-th pixel each way and smoothed, a power of 2; 1 for all */

@@ -16,6 +16,7 @@ POSITION_M = 1.0 / 1024.0  # resolution of points
 SHARE = 1.0 / 65536.0  # resolution of directions, factors and shares
 LEVEL = 1.0 / 256.0  # resolution of colours, grey levels
 
+TEXEL = 128.0  # places in a panorama are given in fractions of a texel, VC_TEXEL in core.h
 NO_LAMPS = np.empty((0, 10))
 Array = NDArray[Any]
 Polygons = tuple[NDArray[np.int64], Floats, NDArray[np.int64], Floats]  # starts (n + 1,), points, values, ranges
@@ -110,7 +111,7 @@ class Core:
         self, rows: slice, coarse: int, px: Image, columns_per_rad: float, across: Floats, down: Floats
     ) -> None:
         """Add a panorama that fills image rows; `across` and `down` are (h, w) places in it, see core.h."""
-        texels = [np.ascontiguousarray(np.rint(32.0 * of), np.int32) for of in (across, down)]
+        texels = [np.ascontiguousarray(np.rint(TEXEL * of), np.int32) for of in (across, down)]
         tall, wide = px.shape[:2]
         place = rows.start, rows.stop, coarse, tall, wide, self.camera.width_px
         self._set("add_panorama", *place, float(columns_per_rad), _bytes(px), *texels)

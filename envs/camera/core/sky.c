@@ -15,7 +15,7 @@ typedef struct {
 struct vc_sky_part {
     int count;
     Panorama panorama[PANORAMAS];
-    uint8_t *rows[2]; /* sampled rows, stretched to the image's width */
+    uint16_t *rows[2]; /* sampled rows, stretched to the image's width, times 2 `coarse` */
     uint8_t *row;     /* a sampled row */
 };
 
@@ -35,7 +35,7 @@ void vc_sky_free(vc_sky_part *sky) {
 static vc_sky_part *new_sky(int width) {
     vc_sky_part *sky = calloc(1, sizeof *sky);
     if (sky == NULL) return NULL;
-    for (int i = 0; i < 2; i++) sky->rows[i] = malloc((size_t)width * 3);
+    for (int i = 0; i < 2; i++) sky->rows[i] = malloc((size_t)width * 3 * sizeof(uint16_t));
     sky->row = malloc((size_t)width * 3);
     if (sky->rows[0] && sky->rows[1] && sky->row) return sky;
     vc_sky_free(sky);
@@ -44,7 +44,8 @@ static vc_sky_part *new_sky(int width) {
 
 static int makes_sense(const vc_camera *camera, const vc_panorama *spec, int h, int w) {
     if (spec->top < 0 || spec->bottom <= spec->top || spec->bottom > camera->height_px) return 0;
-    if (spec->coarse < 1 || (spec->coarse & (spec->coarse - 1)) != 0 || spec->rows < 2 || spec->columns < 2 || spec->columns > 1 << 20) return 0;
+    if (spec->coarse < 1 || spec->coarse > 8 || (spec->coarse & (spec->coarse - 1)) != 0) return 0;
+    if (spec->rows < 2 || spec->columns < 2 || spec->columns > 1 << 20) return 0;
     for (int i = 0; i < h * w; i++) {
         if (spec->down[i] < 0 || spec->down[i] > (spec->rows - 1) * VC_TEXEL) return 0;
         if (abs(spec->across[i]) > spec->columns * VC_TEXEL) return 0;
@@ -109,47 +110,48 @@ static void sample(const Panorama *panorama, int row, int64_t turned, uint8_t *o
     }
 }
 
-/* Stretches a row of every `coarse`-th pixel to all, each between the middles of two samples. */
-static void stretch(const uint8_t *row, int count, int coarse, int width, uint8_t *out) {
-    int left = -1, share = coarse + 1, whole = 2 * coarse, shift = 1; /* from the left sample, in halves of a pixel */
-    while (1 << shift < whole) shift++;
+/* Stretches a row of every `coarse`-th pixel to all, each between the middles of two samples; times 2 `coarse`. */
+static void stretch(const uint8_t *row, int count, int coarse, int width, uint16_t *out) {
+    int left = -1, share = coarse + 1, whole = 2 * coarse; /* from the left sample, in halves of a pixel */
     for (int x = 0; x < width; x++, out += 3, share += 2) {
         if (share >= whole) {
             share -= whole;
             left++;
         }
         const uint8_t *a = row + 3 * vc_max(left, 0), *b = row + 3 * vc_min(left + 1, count - 1);
-        for (int i = 0; i < 3; i++) out[i] = (uint8_t)((a[i] * (whole - share) + b[i] * share + coarse) >> shift);
+        for (int i = 0; i < 3; i++) out[i] = (uint16_t)(a[i] * (whole - share) + b[i] * share);
     }
 }
 
 /* One stretched row of samples. */
-static void coarse_row(vc_core *core, const Panorama *panorama, int row, int64_t turned, uint8_t *out) {
+static void coarse_row(vc_core *core, const Panorama *panorama, int row, int64_t turned, uint16_t *out) {
     sample(panorama, row, turned, core->sky->row);
     stretch(core->sky->row, panorama->w, panorama->spec.coarse, core->camera.width_px, out);
 }
 
+static void blend_rows(const uint16_t *above, const uint16_t *below, int share, int whole, int count, uint8_t *out) {
+    uint16_t over = (uint16_t)(whole - share), under = (uint16_t)share, half = (uint16_t)(whole * whole / 2);
+    int shift = 0;
+    while (1 << shift < whole * whole) shift++;
+    for (int i = 0; i < count; i++) out[i] = (uint8_t)((uint16_t)(above[i] * over + below[i] * under + half) >> shift);
+}
+
 static void draw_coarse(vc_core *core, const Panorama *panorama, int64_t turned, vc_image image) {
     const vc_panorama *spec = &panorama->spec;
-    int coarse = spec->coarse, next = 0, bytes = 3 * image.width;
-    uint8_t *above = core->sky->rows[0], *below = core->sky->rows[1];
+    int whole = 2 * spec->coarse, share = spec->coarse + 1, next = 0, bytes = 3 * image.width;
+    uint16_t *above = core->sky->rows[0], *below = core->sky->rows[1];
     coarse_row(core, panorama, next, turned, below);
-    memcpy(above, below, (size_t)bytes);
-    for (int y = 0; y < spec->bottom - spec->top; y++) {
-        int place = 2 * y + 1 - coarse, share = place < 0 ? 0 : place % (2 * coarse);
-        if (place >= 0 && place / (2 * coarse) == next) {
-            uint8_t *swap = above;
+    memcpy(above, below, (size_t)bytes * sizeof *above);
+    for (int y = spec->top; y < spec->bottom; y++, share += 2) {
+        if (share >= whole) {
+            uint16_t *swap = above;
             above = below;
             below = swap;
-            next++;
-            if (next < panorama->h)
-                coarse_row(core, panorama, next, turned, below);
-            else
-                memcpy(below, above, (size_t)bytes);
+            share -= whole;
+            next = vc_min(next + 1, panorama->h - 1);
+            coarse_row(core, panorama, next, turned, below);
         }
-        uint8_t *out = image.px + (size_t)(spec->top + y) * bytes;
-        int over = 256 - 128 * share / coarse, under = 128 * share / coarse;
-        for (int i = 0; i < bytes; i++) out[i] = (uint8_t)((above[i] * over + below[i] * under + 128) >> 8);
+        blend_rows(above, below, share, whole, bytes, image.px + (size_t)y * bytes);
     }
 }
 

@@ -48,7 +48,7 @@ def ground_table(light: Light, wetness: float, ramp: Floats = RAMP) -> NDArray[n
 
 
 def lamp_table(wetness: float, ramp: Floats, efficiency: Floats) -> NDArray[np.uint8]:
-    """(256, 1, 3) RGB of the palette values in full light of lamps; `efficiency` is (256,), see `GroundLight`."""
+    """(256, 1, 3) RGB of the palette values in full light of lamps; `efficiency` is (256,), see `paint_efficiency`."""
     return _table(_wet(ramp, wetness) * efficiency[:, None])
 
 

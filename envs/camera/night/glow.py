@@ -4,11 +4,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 from math import ceil, log2, pi
 
-import cv2
 import numpy as np
 
 from vpf_sim.envs.camera.light import GAMMA
-from vpf_sim.envs.camera.painter import Sprite
 from vpf_sim.types import Camera, Floats, Image
 
 SHARP_PX = 0.8  # standard deviation of the point spread, for 640 px over 90 deg
@@ -35,13 +33,6 @@ class Lamp:
     size_px: float  # diameter
 
 
-@dataclass(frozen=True, slots=True)
-class Glow(Sprite):
-    """A lamp's image, added to what is behind it."""
-
-    lamp: Lamp
-
-
 def flux_px(camera: Camera, lux: float, white_lx: float) -> float:
     """Light of `lux` at the camera, in pixels of full brightness."""
     return lux * camera.fx_px**2 / (WHITE_CD_M2 * white_lx)
@@ -52,23 +43,6 @@ def kind_of_glow(lamp: Lamp) -> GlowKind | None:
     if lamp.flux < FAINTEST_FLUX:
         return None
     return round(STEPS * log2(lamp.flux)), lamp.colour, round(2.0 * lamp.size_px) / 2.0
-
-
-def glow(camera: Camera, lamp: Lamp) -> Glow | None:
-    """The lamp's image in the frame; None outside the frame or too faint."""
-    kind = kind_of_glow(lamp)
-    if kind is None:
-        return None
-    picture = glow_picture(*kind, camera.fx_px)
-    radius = len(picture) // 2
-    x, y = round(lamp.x_px), round(lamp.y_px)
-    x0, y0 = max(x - radius, 0), max(y - radius, 0)
-    x1, y1 = min(x + radius + 1, camera.width_px), min(y + radius + 1, camera.height_px)
-    if x0 >= x1 or y0 >= y1:
-        return None
-    place = np.array([[1.0, 0.0, lamp.x_px - radius - x0], [0.0, 1.0, lamp.y_px - radius - y0]])
-    shown = cv2.warpAffine(picture, place, (x1 - x0, y1 - y0), flags=cv2.INTER_LINEAR, borderValue=(0, 0, 0, 255))
-    return Glow(x0, y0, np.asarray(shown, np.uint8), lamp.depth_m, lamp)
 
 
 @lru_cache(maxsize=256)

@@ -7,10 +7,11 @@ import numpy as np
 
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.horizon import ground_top
-from vpf_sim.envs.camera.rain.mirror import REFINEMENT, reflectance
 from vpf_sim.envs.camera.rain.puddles import covered_table, road_table, water_level
 from vpf_sim.types import Camera, Floats, Image
 
+REFINEMENT = 2  # image pixels per pixel of the reflection, each way
+WATER_INDEX = 1.333
 DAMP_SHARE, FILM_SHARE = 0.35, 0.9  # reflecting share of a damp and of a flooded road
 DAMP_SLOPE_DEG, FILM_SLOPE_DEG = 3.0, 1.2  # slopes of the facets
 STONES_MMPH, FILM_MMPH = 8.0, 25.0  # rain rates between which the film covers the stones
@@ -62,3 +63,11 @@ def _sines(camera: Camera, top: int) -> Floats:
     right, down = np.meshgrid(x, y)
     fall = down * np.cos(camera.pitch_rad) + np.sin(camera.pitch_rad)
     return np.asarray(fall / np.sqrt(right**2 + down**2 + 1.0))
+
+
+def reflectance(sine: Floats) -> Floats:
+    """Fresnel reflectance of water for unpolarised light, by the sine of the grazing angle."""
+    refracted = np.sqrt(1.0 - (1.0 - sine**2) / WATER_INDEX**2)  # cosine of the angle of refraction
+    across = (sine - WATER_INDEX * refracted) / (sine + WATER_INDEX * refracted)
+    along = (WATER_INDEX * sine - refracted) / (WATER_INDEX * sine + refracted)
+    return np.asarray(0.5 * (across**2 + along**2))

@@ -10,7 +10,7 @@ from vpf_sim.envs.camera.scenery.mesh import Mesh
 from vpf_sim.envs.camera.scenery.roadside import Group
 
 TRANSMISSION_STEP_M, FARTHEST_M = 0.25, 260.0
-FULLNESS = 0.85
+NO_SUN = 0.97  # shadows with more remaining brightness are left out
 LOWEST_SUN = 0.05  # lowest sine of the altitude for shadow lengths
 LIT, RETRO = 1, 2  # flags of a face
 

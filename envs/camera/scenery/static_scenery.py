@@ -2,17 +2,12 @@
 
 import numpy as np
 
-from vpf_sim.envs.camera.haze import Haze
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.night.glow import glow
 from vpf_sim.envs.camera.night.lamplight import Lamplight
-from vpf_sim.envs.camera.night.lamps import street_lamps
-from vpf_sim.envs.camera.painter import Drawing, Sprite
-from vpf_sim.envs.camera.scenery.roadside import Roadside
-from vpf_sim.envs.camera.scenery.trees import BUSHES, HEIGHTS_M, VARIANTS, Trees, TreeStand
-from vpf_sim.envs.camera.scenery.verge import STATION_M, TALL_RANGE_M, Verge, lamp_places
-from vpf_sim.envs.camera.view import View
+from vpf_sim.envs.camera.scenery import roadside, trees
+from vpf_sim.envs.camera.scenery.trees import BUSHES, HEIGHTS_M, VARIANTS, Trees
+from vpf_sim.envs.camera.scenery.verge import STATION_M, Verge, lamp_places
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats
 
@@ -24,35 +19,18 @@ TREE_FREE_M = 4.0  # free radius around a tree
 class StaticScenery:
     """The static scenery of one road."""
 
-    def __init__(self, camera: Camera, shapes: list[LaneShape], light: Light, haze: Haze, seed: int) -> None:
+    def __init__(self, camera: Camera, shapes: list[LaneShape], light: Light, seed: int) -> None:
         verge = Verge(shapes)
-        furniture = verge.furniture(stream(seed, "scenery"))
+        self._camera = camera
+        self.furniture = verge.furniture(stream(seed, "scenery"))
+        self.trees = planted(verge, stream(seed, "trees"))
         # the light of lamps in the dark; None by day
-        self.lamplight = Lamplight(light, lamp_places(furniture)) if light.has_lamps else None
-        self.furniture, self.trees = furniture, planted(verge, stream(seed, "trees"))
-        self._trees = TreeStand(camera, self.trees, light, haze, self.lamplight)
-        self._roadside = Roadside(camera, furniture, light, haze, self.lamplight)
-
-    def visible(self, view: View) -> tuple[Drawing | None, list[float]]:
-        """The visible faces, the farthest item first, and the depth of each item, m."""
-        return self._roadside.visible(view)
-
-    def update(self, view: View) -> None:
-        """Update visibility without drawing."""
-        self._roadside.update(view)
-
-    def visible_sprites(self, view: View) -> list[Sprite]:
-        """The visible trees, and the light of street lamps in the dark, the farthest first."""
-        trees = self._trees.visible(view)
-        if self.lamplight is None:
-            return trees
-        lamps = street_lamps(view, self.lamplight.lamps_ahead(view, TALL_RANGE_M), self.lamplight.light)
-        glows = [one for lamp in lamps if (one := glow(view.camera, lamp)) is not None]
-        return sorted([*trees, *glows], key=lambda sprite: -sprite.depth_m)
+        self.lamplight = Lamplight(light, lamp_places(self.furniture)) if light.has_lamps else None
 
     def shadow_polygons(self, light: Light) -> list[Floats]:
         """(n, 2) m, shadow outlines on the ground of furniture, trees and bushes."""
-        return [*self._roadside.shadow_polygons(light), *self._trees.shadow_polygons(light)]
+        furniture = roadside.shadow_polygons(roadside.group_of(self.furniture, self._camera), light, self._camera)
+        return [*furniture, *trees.shadow_polygons(self.trees, light)]
 
 
 def planted(verge: Verge, rng: np.random.Generator) -> Trees:

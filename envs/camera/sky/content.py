@@ -12,13 +12,14 @@ from vpf_sim.envs.camera.sky.sky_dome import ZENITH_SLOPE, sky_dome
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Image
 
-COARSE = 4  # the sky is smooth: drawn on every fourth pixel
+TEXEL_PX = 4  # the sky is smooth: a texel of its panorama, in the middle of the image
+COARSE = 2  # and drawn on every second pixel; on every fourth, clouds seem to lag behind a turn
 
 
 def add_sky(core: Core, light: Light, atmosphere: Atmosphere, seed: int) -> None:
     """Add the sky dome above the horizon, and below it the sky dome with hills."""
     camera, rng = core.camera, stream(seed, "sky")
-    sky = sky_dome(light, atmosphere, camera.fx_px / COARSE, rng)
+    sky = sky_dome(light, atmosphere, camera.fx_px / TEXEL_PX, rng)
     top = ground_top(camera)
     first = top
     if top and hills_show(atmosphere):

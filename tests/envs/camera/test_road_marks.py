@@ -6,7 +6,7 @@ import pytest
 
 from vpf_sim import scenarios
 from vpf_sim.envs.camera import Rig
-from vpf_sim.envs.camera.ground.cast_shadows import shadow_batches
+from vpf_sim.envs.camera.ground.content import shadow_batches
 from vpf_sim.envs.camera.ground.hatching import hatching
 from vpf_sim.envs.camera.ground.paint import LINE, painted
 from vpf_sim.envs.camera.ground.road_marks import road_marks

@@ -8,25 +8,28 @@ import pytest
 
 from vpf_sim.envs.camera import weather
 from vpf_sim.envs.camera.atmosphere import Atmosphere
+from vpf_sim.envs.camera.core.frames import Core
+from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.sky.cylinder import Cylinder
-from vpf_sim.envs.camera.sky.sky import Sky
-from vpf_sim.envs.camera.view import View
+from vpf_sim.envs.camera.sky.content import add_sky
 from vpf_sim.types import Camera, Floats, Image
 
 CAMERA = Camera()
 SUN_AZIMUTH_DEG = weather.load("ClearSunset").sun_azimuth_angle
 
 
-def sky(name: str, seed: int = 3, camera: Camera = CAMERA) -> Sky:
+def sky(name: str, seed: int = 3, camera: Camera = CAMERA) -> Core:
     of = weather.load(name)
-    return Sky(camera, Light.of(of), Atmosphere.of(of), seed)
+    core = Core(camera, ground_top(camera))
+    add_sky(core, Light.of(of), Atmosphere.of(of), seed)
+    return core
 
 
-def drawn(of: Sky, yaw_rad: float, place: tuple[float, float] = (0.0, 0.0), camera: Camera = CAMERA) -> Image:
+def drawn(of: Core, yaw_rad: float, place: tuple[float, float] = (0.0, 0.0), camera: Camera = CAMERA) -> Image:
     """The rows above the horizon; what is below is left black."""
     frame = np.zeros((camera.height_px, camera.width_px, 3), np.uint8)
-    of.draw(View.at(camera, np.array(place), yaw_rad), frame)
+    of.begin(*place, yaw_rad, 0.0, np.empty((0, 4)))
+    of.draw_backdrop(frame)
     return frame
 
 
@@ -134,13 +137,17 @@ def test_an_overcast_sky_is_brighter_overhead_than_at_the_horizon() -> None:
 
 
 @pytest.mark.parametrize("yaw", [0.0, 1.234, 6.2, -3.3])
-def test_cylinder_maps_azimuth_and_elevation_to_pixels(yaw: float) -> None:
-    columns, tall = 512, 1.0
+def test_panorama_maps_azimuth_and_elevation_to_pixels(yaw: float) -> None:
+    columns, tall, camera = 512, 1.0, Camera(64, 48)
     azimuth = np.arange(columns) * 2.0 * np.pi / columns
     rows = np.linspace(tall, 0.0, 65)
     panorama = np.stack(np.broadcast_arrays(120 + 100 * np.cos(azimuth), 240 * rows[:, None], 0.0), axis=-1)
-    turn, slope = np.meshgrid(np.linspace(-0.7, 0.7, 41), np.linspace(0.05, 0.95, 21))
-    picture = np.empty((21, 41, 3), np.uint8)
-    Cylinder(np.rint(panorama).astype(np.uint8), tall, turn, slope, 16).draw(yaw, picture)
+    turn, slope = np.meshgrid(np.linspace(-0.7, 0.7, 64), np.linspace(0.05, 0.95, 20))
+    core = Core(camera, 20)
+    per_rad = columns / (2.0 * np.pi)
+    core.add_panorama(
+        slice(0, 20), 1, np.rint(panorama).astype(np.uint8), per_rad, turn * per_rad, 64 * (1 - slope / tall)
+    )
+    picture = drawn(core, yaw, camera=camera)[:20]
     assert picture[..., 0] == pytest.approx(120 + 100 * np.cos(yaw + turn), abs=1.2)
     assert picture[..., 1] == pytest.approx(240 * slope, abs=1.2)

@@ -6,7 +6,7 @@ from highway_scenes import WIDTH_M, add_ego, add_object, straight_road
 from wet_scene import EGO, ROAD, SKY, WALL_M, WetScene
 
 from vpf_sim.envs.camera import Renderer, Rig, weather
-from vpf_sim.envs.camera.rain.mirror import reflectance
+from vpf_sim.envs.camera.rain.wetness import reflectance
 from vpf_sim.types import Camera, Image
 
 CAMERA = Camera()
@@ -16,6 +16,13 @@ CAMERAS = {
     "long": Camera(width_px=800, height_px=600, fx_px=700.0, fy_px=690.0, cx_px=410.0, cy_px=280.0, height_m=1.65),
 }
 WALL_AT_M = 12.0
+
+
+def test_reflectance_matches_tables() -> None:
+    depression = np.arctan2(1.4, [3.0, 5.0, 10.0, 20.0, 40.0])
+    assert reflectance(np.sin(depression)) == pytest.approx([0.087, 0.200, 0.428, 0.648, 0.804], abs=1e-3)
+    assert reflectance(np.array([1.0])) == pytest.approx([(0.333 / 2.333) ** 2])
+    assert reflectance(np.array([0.0])) == pytest.approx([1.0])
 
 
 def row_at(camera: Camera, up_m: float, depth_m: float = WALL_AT_M) -> float:

@@ -9,7 +9,7 @@ from highway_scenes import straight_road
 from vpf_sim.envs.camera import weather
 from vpf_sim.envs.camera.layout import lane_shapes
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.night.lamplight import LAMP_ASIDE_M, LAMP_HEIGHT_M, STREET_CD, Lamplight
+from vpf_sim.envs.camera.night.lamplight import LAMP_ASIDE_M, LAMP_HEIGHT_M, Lamplight
 from vpf_sim.envs.camera.night.low_beam import intensity_cd
 from vpf_sim.envs.camera.scenery.furniture import LAMP_HEIGHT_M as POST_M
 from vpf_sim.envs.camera.scenery.verge import Verge, lamp_places
@@ -97,13 +97,6 @@ def test_light_falls_off_with_distance_and_height_and_is_dark_behind() -> None:
     by_height = [float(lamps.beam_lx(view(), place(15.0, -1.0, m))[0]) for m in (0.4, 0.6, 5.0)]
     assert by_height[0] > 5.0 * by_height[1] > by_height[2]
     assert lamps.beam_lx(view(), np.array([[-10.0, 0.0, 0.0]])) == pytest.approx([0.0])
-
-
-def test_a_street_lamp_lights_the_ground_by_the_cosine_cubed_law() -> None:
-    lamps = Lamplight(night(), np.array([[30.0, 5.0, 9.0]]))
-    points = np.array([[30.0, 5.0, 0.0], [30.0, 14.0, 0.0], [30.0, 60.0, 0.0]])
-    nadir = STREET_CD / 9.0**2
-    assert lamps.street_lx(points) == pytest.approx([nadir, nadir * 0.5**1.5, 0.0], rel=1e-5)
 
 
 def test_street_lamps_hang_over_the_road_from_their_posts() -> None:
