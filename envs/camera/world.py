@@ -15,6 +15,7 @@ from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.layout import lane_shapes
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.night.content import FrameLamps, set_lamps
+from vpf_sim.envs.camera.night.lamplight import Lamplight
 from vpf_sim.envs.camera.rain.content import WetSurface, wet_surface
 from vpf_sim.envs.camera.scenery.bands import banded
 from vpf_sim.envs.camera.scenery.content import NO_SUN, add_mesh, set_light, set_roadside
@@ -23,6 +24,7 @@ from vpf_sim.envs.camera.scenery.objects import kind_of, object_size
 from vpf_sim.envs.camera.scenery.roadside import group_of
 from vpf_sim.envs.camera.scenery.static_scenery import StaticScenery
 from vpf_sim.envs.camera.scenery.tree_content import plant
+from vpf_sim.envs.camera.scenery.verge import lamp_places
 from vpf_sim.envs.camera.sky.content import add_sky
 from vpf_sim.envs.camera.snapshot import Snapshot
 from vpf_sim.envs.camera.truth import Shown
@@ -43,20 +45,19 @@ class World:
         self._bodies = 0
         self._core = core = Core(camera, ground_top(camera))
         shapes, haze = lane_shapes(road), Haze(camera, atmosphere, light)
-        scenery = StaticScenery(camera, shapes, light, seed)
+        scenery = StaticScenery(camera, shapes, seed)
+        lamplight = Lamplight(light, lamp_places(scenery.furniture)) if light.has_lamps else None
         appearance = getattr(road.network, "appearance", None)
         look = RoadAppearance() if appearance is None else appearance
         shaded = appearance is not None and appearance.shadows and light.shadow < NO_SUN
         shadows = scenery.shadow_polygons(light) if shaded else []
         add_sky(core, light, atmosphere, seed)
-        set_ground(
-            core, shapes, light, atmosphere.wetness, seed, look, shadows, haze, even_gains(camera), scenery.lamplight
-        )
+        set_ground(core, shapes, light, atmosphere.wetness, seed, look, shadows, haze, even_gains(camera), lamplight)
         set_light(core, light, haze)
         self._lamps: FrameLamps | None = None
-        if scenery.lamplight is not None:
-            set_lamps(core, scenery.lamplight)
-            self._lamps = FrameLamps(core, scenery.lamplight)
+        if lamplight is not None:
+            set_lamps(core, lamplight)
+            self._lamps = FrameLamps(core, lamplight)
         set_roadside(core, group_of(scenery.furniture, camera))
         plant(core, scenery.trees, light, haze)
         self._wet = wet_surface(core, shapes, light, atmosphere, seed)

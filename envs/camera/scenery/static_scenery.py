@@ -4,10 +4,9 @@ import numpy as np
 
 from vpf_sim.envs.camera.layout import LaneShape
 from vpf_sim.envs.camera.light import Light
-from vpf_sim.envs.camera.night.lamplight import Lamplight
 from vpf_sim.envs.camera.scenery import roadside, trees
 from vpf_sim.envs.camera.scenery.trees import BUSHES, HEIGHTS_M, VARIANTS, Trees
-from vpf_sim.envs.camera.scenery.verge import STATION_M, Verge, lamp_places
+from vpf_sim.envs.camera.scenery.verge import STATION_M, Verge
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats
 
@@ -19,13 +18,11 @@ TREE_FREE_M = 4.0  # free radius around a tree
 class StaticScenery:
     """The static scenery of one road."""
 
-    def __init__(self, camera: Camera, shapes: list[LaneShape], light: Light, seed: int) -> None:
+    def __init__(self, camera: Camera, shapes: list[LaneShape], seed: int) -> None:
         verge = Verge(shapes)
         self._camera = camera
         self.furniture = verge.furniture(stream(seed, "scenery"))
         self.trees = planted(verge, stream(seed, "trees"))
-        # the light of lamps in the dark; None by day
-        self.lamplight = Lamplight(light, lamp_places(self.furniture)) if light.has_lamps else None
 
     def shadow_polygons(self, light: Light) -> list[Floats]:
         """(n, 2) m, shadow outlines on the ground of furniture, trees and bushes."""

@@ -88,7 +88,7 @@ def test_seed_determines_the_scenery() -> None:
     shapes = lane_shapes(town())
     places = []
     for seed in (1, 1, 2):
-        scenery = StaticScenery(CAMERA, shapes, LIGHT, seed)
+        scenery = StaticScenery(CAMERA, shapes, seed)
         places.append((scenery.trees.feet_m, np.array([pose for _, pose, _ in scenery.furniture])))
     for one, again, other in zip(*places, strict=True):
         assert np.array_equal(one, again)
@@ -116,7 +116,7 @@ def test_lamp_post_shadow_matches_the_sun() -> None:
 def test_a_small_camera_has_the_shadows_of_a_large_one() -> None:
     shapes = lane_shapes(town())
     large, small = (
-        StaticScenery(camera, shapes, LIGHT, 3).shadow_polygons(LIGHT) for camera in (CAMERA, Camera.of(84, 84, 90.0))
+        StaticScenery(camera, shapes, 3).shadow_polygons(LIGHT) for camera in (CAMERA, Camera.of(84, 84, 90.0))
     )
     assert len(large) > 500
     assert all(np.array_equal(one, other) for one, other in zip(large, small, strict=True))
