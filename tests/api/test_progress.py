@@ -8,10 +8,17 @@ import pytest
 
 from vpf_sim.api import progress as module
 from vpf_sim.api.progress import Tally, clock, progress
+from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.metrics.records import Record
+from vpf_sim.evaluation.metrics.scoring import failed
 
 
 def folder(done: int = 0) -> Any:
     return SimpleNamespace(done=set(range(done)), error_file=lambda name: Path("run/errors") / f"{name}.txt")
+
+
+def record(name: str, status: str) -> Record:
+    return failed(Job("a", "clear", "pid", 0), status).model_copy(update={"id": name})
 
 
 @pytest.fixture
@@ -27,7 +34,7 @@ def test_rate_and_time_left_are_those_of_this_session(time: list[float]) -> None
     assert tally.text() == "no episode yet"
     time[0] += 60.0
     for status in ("success", "collision", "success", "success"):
-        tally.count({"status": status})
+        tally.count(record("a", status))
     assert tally.text() == "3 of 4 reached the goal, 240 an hour, 0:01:30 left"
 
 
@@ -39,8 +46,8 @@ def test_clock_has_hours_minutes_seconds(seconds: float, text: str) -> None:
 def test_without_a_terminal_each_episode_is_a_line(capsys: pytest.CaptureFixture[str], time: list[float]) -> None:
     with progress(4, folder(done=1)) as tell:
         time[0] += 36.0
-        tell({"id": "a", "status": "success"})
-        tell({"id": "b", "status": "error"})
+        tell(record("a", "success"))
+        tell(record("b", "error"))
     said = capsys.readouterr()
     assert said.out == ""
     assert said.err.splitlines() == [
@@ -57,7 +64,7 @@ def test_on_a_terminal_there_is_a_bar(
     monkeypatch.setenv("COLUMNS", "200")
     with progress(3, folder(done=1)) as tell:
         time[0] += 36.0
-        tell({"id": "[a]", "status": "error"})
+        tell(record("[a]", "error"))
     said = capsys.readouterr().err
     assert "2/3" in said
     assert "1 failed, 0 of 1 reached the goal, 100 an hour, 0:00:36 left, last [a]" in said
