@@ -1,4 +1,4 @@
-"""The first-person camera: renders a highway-env road with numpy and OpenCV only."""
+"""The first-person camera: renders a highway-env road with its core in C."""
 
 from typing import TYPE_CHECKING, Any
 
