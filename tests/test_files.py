@@ -208,6 +208,8 @@ def writes(call: ast.Call) -> str | None:
         return "os.open" if owner == "os" else name if any(set(mode) & set("wxa+") for mode in modes) else None
     if name == "write_text":  # that of Path: ours takes the path first, and has no owner
         return name if owner else None
+    if name == "move":  # that of shutil, not of a road
+        return name if owner in ("shutil", "") else None
     if name == "write_bytes":
         return name if owner else None
     if name == "replace" and owner not in ("dataclasses",):  # Path.replace and os.replace; that of str takes two
