@@ -6,7 +6,7 @@ out of sight.
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -27,7 +27,7 @@ SAME_LINE_M = 0.4  # lines nearer than this are the same line
 ROADS = 16  # whose lines and edges are kept
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class LaneShape:
     """The edges of one lane at stations s."""
 
@@ -56,7 +56,7 @@ class LaneShape:
         left, right = (interpolated(s_m, self.s_m, edge) for edge in (self.left_m, self.right_m))
         return np.asarray(left + (0.5 + lateral_m / self.width_m)[..., None] * (right - left))
 
-    @property
+    @cached_property
     def width_m(self) -> float:
         """The median width."""
         return float(np.median(np.linalg.norm(self.right_m - self.left_m, axis=1)))

@@ -5,6 +5,7 @@ from highway_env.road.road import Road
 from highway_env.vehicle.objects import RoadObject
 from numpy.typing import NDArray
 
+from vpf_sim.envs.camera import made_worlds
 from vpf_sim.envs.camera.atmosphere import Atmosphere
 from vpf_sim.envs.camera.glass import Glass
 from vpf_sim.envs.camera.lens import Lens
@@ -18,7 +19,6 @@ from vpf_sim.envs.camera.sensor import Sensor
 from vpf_sim.envs.camera.snapshot import Carrier, Snapshot
 from vpf_sim.envs.camera.truth import Moment, truth
 from vpf_sim.envs.camera.weather import Weather
-from vpf_sim.envs.camera.world import World
 from vpf_sim.timing import timed
 from vpf_sim.types import Image
 
@@ -37,7 +37,7 @@ class Renderer:
         light, atmosphere = Light.of(weather), Atmosphere.of(weather)
         self._lens = Lens(rig.camera)
         camera = self._camera = self._lens.pinhole
-        self._world = World(road, camera, light, atmosphere, seed)
+        self._world = made_worlds.world(road, camera, weather, seed)
         self._streaks = Streaks(camera, atmosphere, light, weather.streak_gain, seed)
         self._glass = Glass(rig.camera, weather, light, seed)
         self._bonnet = Bonnet(camera, light) if rig.bonnet else None

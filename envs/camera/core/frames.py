@@ -4,6 +4,7 @@ Content is rounded to what a picture can show, far above the last bits in which 
 """
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -30,16 +31,28 @@ def rounded(values: Array | Sequence[float], step: float) -> Floats:
 class Core:
     """A core: first its content, each part once, then any number of frames.
 
-    A copy is built from the same content, which the calls that set it keep, and stands at the same frame.
+    A copy is built when it is first used, from the same content, which the calls that set it keep, and stands at the
+    same frame.
     """
 
     def __init__(self, camera: Camera, ground_top: int) -> None:
         self.camera = camera
         self._top = ground_top
-        self._handle = self._new()
         self._content: list[tuple[str, tuple[Any, ...]]] = []  # calls
         self._reserved = 0
         self._begun: tuple[Any, ...] = ()
+
+    @cached_property
+    def _handle(self) -> object:
+        """The core itself, with the content so far and at the frame that was begun."""
+        handle = self._new()
+        for name, arguments in self._content:
+            getattr(_core, name)(handle, *arguments)
+        if self._reserved:
+            _core.reserve(handle, self._reserved)
+        if self._begun:
+            _core.begin(handle, *self._begun)
+        return handle
 
     def _new(self) -> object:
         camera = self.camera
@@ -60,19 +73,8 @@ class Core:
     def __deepcopy__(self, memo: dict[int, Any]) -> "Core":
         copy = Core.__new__(Core)
         memo[id(self)] = copy
-        copy.__setstate__({**self.__getstate__(), "_content": list(self._content)})
+        copy.__dict__.update({**self.__getstate__(), "_content": list(self._content)})
         return copy
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Build the core again."""
-        self.__dict__.update(state)
-        self._handle = self._new()
-        for name, arguments in self._content:
-            getattr(_core, name)(self._handle, *arguments)
-        if self._reserved:
-            _core.reserve(self._handle, self._reserved)
-        if self._begun:
-            _core.begin(self._handle, *self._begun)
 
     def set_ground(
         self,

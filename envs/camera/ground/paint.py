@@ -4,6 +4,7 @@ They are static, so they are cut into polygons once per road; the rest is comput
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import inf
 
 import numpy as np
@@ -34,6 +35,7 @@ PAVED_SHOULDER_M = 0.5
 GRAVEL_SHOULDER_M = 1.3
 RAGGED_STEP_M, RAGGED_RANGE_M = 0.7, 28.0
 STUD_WIDTH_M, STUD_M = 0.12, 0.24  # of a marker between stripes; its length shows its height, as seen from a car
+CUT = 512  # polylines whose cuts are kept
 CHUNK, CHUNK_M = 10, 20.0  # most pieces in one polygon, and their length
 
 
@@ -171,7 +173,7 @@ def _strips(strips: list[tuple[Floats, Floats, int]], thin: bool, range_m: float
     """Strips between two edges, cut into polygons of limited length and vertex count."""
     polygons, values, owners = [np.empty((0, 2 * CHUNK + 2, 2))], [], []
     for owner, (left, right, value) in enumerate(strips):
-        cuts = _cuts(left)
+        cuts = _cuts(left.tobytes())
         index = np.minimum(cuts[:-1, None] + np.arange(CHUNK + 1), cuts[1:, None])
         polygons.append(np.concatenate([left[index], right[index[:, ::-1]]], axis=1))
         values += [value] * len(index)
@@ -179,8 +181,10 @@ def _strips(strips: list[tuple[Floats, Floats, int]], thin: bool, range_m: float
     return Batch(np.concatenate(polygons), np.array(values, np.int64), np.array(owners, np.int64), thin, range_m)
 
 
-def _cuts(points: Floats) -> NDArray[np.int64]:
-    """Indices at which a polyline (M, 2) is cut, including its ends."""
+@lru_cache(maxsize=CUT)
+def _cuts(polyline: bytes) -> NDArray[np.int64]:
+    """Indices at which a polyline, the bytes of (M, 2), is cut, including its ends. Cached: roads are drawn again."""
+    points = np.frombuffer(polyline).reshape(-1, 2)
     along = np.concatenate([stations_m(points), np.full(CHUNK, np.inf)])
     last = len(points) - 1
     long = np.array([along[k + 1 :][:last] - along[:last] > CHUNK_M for k in range(1, CHUNK)])

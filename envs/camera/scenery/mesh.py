@@ -15,8 +15,12 @@ from vpf_sim.types import Bools, Floats
 
 Point = tuple[float, float, float]
 Colour = tuple[float, float, float]
+# panel, outline, colour, whether it is lit and retroreflective, part, distance range
+Face = tuple[list[Point], list[tuple[float, float]], Colour, bool, bool, int, tuple[float, float]]
 
 VERTICES = 12  # every face has this many; the last one is repeated
+_ANGLES = np.linspace(0.0, 2.0 * np.pi, VERTICES, endpoint=False)
+CIRCLE = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)])
 WHOLE = [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, 0.0)]  # the outline of a whole panel
 UNIT: list[Point] = [(0.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 1.0, 1.0), (0.0, 0.0, 1.0)]
 
@@ -50,14 +54,8 @@ class Mesh:
 class MeshBuilder:
     """Collects faces and computes all vertices at once, in `build`: a road has thousands."""
 
-    panels: list[list[Point]] = field(default_factory=list)
-    outlines: list[list[tuple[float, float]]] = field(default_factory=list)
+    faces: list[Face] = field(default_factory=list)
     discs: dict[int, tuple[Floats, Floats]] = field(default_factory=dict)  # by face index: points and normal
-    colours: list[Colour] = field(default_factory=list)
-    lit: list[bool] = field(default_factory=list)
-    retro: list[bool] = field(default_factory=list)
-    parts: list[int] = field(default_factory=list)
-    distances: list[tuple[float, float]] = field(default_factory=list)
     part: int = 0
     drawn_m: tuple[float, float] = (0.0, np.inf)  # distance range of the following faces
     _reflects: bool = field(default=False, init=False)  # whether the following faces are retroreflective
@@ -87,13 +85,8 @@ class MeshBuilder:
 
     def shape(self, panel: list[Point], outline: list[tuple[float, float]], colour: Colour, lit: bool = True) -> None:
         """Add a polygon on a panel, given in shares (right, up) of it."""
-        self.panels.append(panel)
-        self.outlines.append(outline + outline[-1:] * (VERTICES - len(outline)))
-        self.colours.append(colour)
-        self.lit.append(lit)
-        self.retro.append(self._reflects)
-        self.parts.append(self.part)
-        self.distances.append(self.drawn_m)
+        padded = outline + outline[-1:] * (VERTICES - len(outline))
+        self.faces.append((panel, padded, colour, lit, self._reflects, self.part, self.drawn_m))
 
     def whole(self, panel: list[Point], colour: Colour, lit: bool = True) -> None:
         """Add a whole panel."""
@@ -101,24 +94,24 @@ class MeshBuilder:
 
     def disc(self, centre: Point, radius: float, side: int, colour: Colour) -> None:
         """Add an upright disc facing left (side -1) or right (+1)."""
-        angle = np.linspace(0.0, 2.0 * np.pi, VERTICES, endpoint=False)
-        x, z = centre[0] + radius * np.cos(angle), np.maximum(0.0, centre[2] + radius * np.sin(angle))
+        x, z = centre[0] + radius * CIRCLE[0], np.maximum(0.0, centre[2] + radius * CIRCLE[1])
         points = np.stack([x, np.full(VERTICES, centre[1]), z], axis=1)
-        self.discs[len(self.panels)] = points, np.array([0.0, float(side), 0.0])
+        self.discs[len(self.faces)] = points, np.array([0.0, float(side), 0.0])
         self.shape(UNIT, WHOLE, colour)
 
     def build(self) -> Mesh:
-        faces, normals = _on_panels(np.array(self.panels, float), np.array(self.outlines, float))
+        panels, outlines, colours, lit, retro, part, drawn_m = zip(*self.faces, strict=True)
+        faces, normals = _on_panels(np.array(panels, float), np.array(outlines, float))
         for index, (points, normal) in self.discs.items():
             faces[index], normals[index] = points, normal
-        parts, distances = np.array(self.parts), np.array(self.distances)
+        parts, distances = np.array(part), np.array(drawn_m)
         centres = [faces[parts == part].mean(axis=(0, 1)) for part in range(self.part + 1)]
         return Mesh(
             faces_m=faces,
             normals=normals,
-            colours=np.array(self.colours, float),
-            lit=np.array(self.lit),
-            retro=np.array(self.retro),
+            colours=np.array(colours, float),
+            lit=np.array(lit),
+            retro=np.array(retro),
             parts=parts,
             thickness_m=_thickness(faces),
             from_m=distances[:, 0],
@@ -132,17 +125,38 @@ def _on_panels(panels: Floats, outlines: Floats) -> tuple[Floats, Floats]:
     bottom_left, bottom_right, top_right, top_left = (panels[:, None, i] for i in range(4))
     u, v = outlines[..., :1], outlines[..., 1:]
     points = (1 - v) * ((1 - u) * bottom_left + u * bottom_right) + v * ((1 - u) * top_left + u * top_right)
-    normals = np.cross((top_left - bottom_left)[:, 0], (bottom_right - bottom_left)[:, 0])
-    lengths = np.sqrt([normal @ normal for normal in normals])
-    return points, normals / lengths[:, None]
+    normals = _cross((top_left - bottom_left)[:, 0], (bottom_right - bottom_left)[:, 0])
+    return points, normals / np.sqrt(np.vecdot(normals, normals))[:, None]
 
 
 def _thickness(faces: Floats) -> Floats:
-    """(F,) m, area over longest extent of convex faces (F, V, 3)."""
+    """(F,) m, area over longest extent of convex faces (F, VERTICES, 3); most of them have four corners."""
+    found = np.empty(len(faces))
+    has_four = (faces[:, 4:] == faces[:, 3:4]).all(axis=(1, 2))
+    found[has_four], found[~has_four] = _thickness_of(faces[has_four, :4]), _thickness_of(faces[~has_four])
+    return found
+
+
+def _thickness_of(faces: Floats) -> Floats:
+    """(F,) m, of convex faces (F, V, 3)."""
     spokes = faces - faces[:, :1]
-    area = 0.5 * np.linalg.norm(np.cross(spokes[:, 1:-1], spokes[:, 2:]), axis=2).sum(axis=1)
-    longest = np.linalg.norm(faces[:, :, None] - faces[:, None, :], axis=3).max(axis=(1, 2))
+    area = 0.5 * _lengths(_cross(spokes[:, 1:-1], spokes[:, 2:])).sum(axis=1)
+    longest = _lengths(faces[:, :, None] - faces[:, None, :]).max(axis=(1, 2))
     return np.asarray(area / longest)
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    """`numpy.cross` of (..., 3), without its overhead for small arrays."""
+    found = np.empty_like(a)
+    for axis in range(3):
+        one, other = (axis + 1) % 3, (axis + 2) % 3
+        found[..., axis] = a[..., one] * b[..., other] - a[..., other] * b[..., one]
+    return found
+
+
+def _lengths(vectors: Floats) -> Floats:
+    """(...) of (..., 3)."""
+    return np.asarray(np.sqrt((vectors * vectors).sum(axis=-1)))
 
 
 def box(builder: MeshBuilder, low: Point, high: Point, colour: Colour) -> dict[str, list[Point]]:

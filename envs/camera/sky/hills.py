@@ -49,12 +49,14 @@ def hills(
     picture = _magnified(sky, slope[:, 0], columns)
     airlight = picture[-1]
     for (distance_m, _, colour), top in zip(HILLS, tops, strict=True):
-        up = np.clip(slope / top, 0.0, 1.0)
-        transmission = np.exp(-atmosphere.extinction_per_m * distance_m * (1.0 + VALLEY_HAZE * (1.0 - up)))[..., None]
-        cover = np.clip((top - slope) / (tall / rows), 0.0, 1.0)[..., None]
         texture = noise((rows, columns), rng, 3.5, 0.8)[..., None] * 13.0
-        tone = (np.array(colour, float) + texture) * light.ground
-        picture += cover * (airlight + (tone - airlight) * transmission - picture)
+        first = int(np.argmax(slope[:, 0] < top.max()))  # the rows above show nothing of this range
+        below, part = slope[first:], picture[first:]
+        up = np.clip(below / top, 0.0, 1.0)
+        transmission = np.exp(-atmosphere.extinction_per_m * distance_m * (1.0 + VALLEY_HAZE * (1.0 - up)))[..., None]
+        cover = np.clip((top - below) / (tall / rows), 0.0, 1.0)[..., None]
+        tone = (np.array(colour, float) + texture[first:]) * light.ground
+        part += cover * (airlight + (tone - airlight) * transmission - part)
     if columns < COLUMNS:
         picture = np.asarray(cv2.blur(picture, (1, 2 * COLUMNS // columns + 1)))  # a pixel is taller than a row
     return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
