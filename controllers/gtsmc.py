@@ -65,38 +65,52 @@ MAX_RAD, MAX_RADPS, MAX_MPS = 1e6, 1e3, 1e3  # input limits, so that filters and
 class Gains:
     """One set of gains."""
 
-    c_r_per_s: float = setting("c_r, slope of the rotational manifold", gt=0.0)
-    u0_radps: float = setting("u_0, rate of the steering actuator", gt=0.0)
-    boundary_layer_radps: float = setting("of s_r; 0: the printed sign function", ge=0.0)
-    reference_filter_hz: float = setting("low-pass of the differentiated reference; 0: none", ge=0.0)
-    c_l: float = setting("the speed settles at v_d / c_l", gt=0.0)
-    a0_mps2: float = setting("a_0 when speeding up", gt=0.0)
-    brake_a0_mps2: float = setting("a_0 when slowing down", gt=0.0)
-    speed_boundary_layer_mps: float = setting("boundary layer of s_l; 0: the printed sign function", ge=0.0)
+    c_r_per_s: float = setting("Slope c_r of the rotational sliding manifold.", gt=0.0)
+    u0_radps: float = setting("Rate u_0 of the steering actuator.", gt=0.0)
+    boundary_layer_radps: float = setting("Boundary layer of s_r; 0 takes the printed sign function.", ge=0.0)
+    reference_filter_hz: float = setting(
+        "Cut-off of the low-pass filter of the differentiated heading reference; 0 filters nothing.", ge=0.0
+    )
+    c_l: float = setting("Gain c_l: the speed converges to v_d / c_l.", gt=0.0)
+    a0_mps2: float = setting("Acceleration a_0 when the car speeds up.", gt=0.0)
+    brake_a0_mps2: float = setting("Deceleration a_0 when the car slows down.", gt=0.0)
+    speed_boundary_layer_mps: float = setting("Boundary layer of s_l; 0 takes the printed sign function.", ge=0.0)
     yaw_rate_filter_hz: float = setting(
-        "below it the sensor is used, above it the bicycle model; 0: the sensor alone", default=0.0, ge=0.0
+        "Frequency below which the sensor gives the yaw rate, above it the bicycle model; 0 takes the sensor alone.",
+        default=0.0,
+        ge=0.0,
     )
     speed_filter_hz: float = setting(
-        "below it the sensor is used, above it the pedals' acceleration; 0: the sensor alone", default=0.0, ge=0.0
+        "Frequency below which the sensor gives the speed, above it the pedals; 0 takes the sensor alone.",
+        default=0.0,
+        ge=0.0,
     )
-    lateral_law: Literal["first_order", "super_twisting"] = setting("law of the steering", default="first_order")
-    disturbance_radps3: float = setting("D of the super-twisting law: largest rate of the disturbance", default=0.0)
-    slows_to_reach: bool = setting("slow down where the reaching condition does not hold", default=False)
+    lateral_law: Literal["first_order", "super_twisting"] = setting(
+        "Control law of the steering.", default="first_order"
+    )
+    disturbance_radps3: float = setting(
+        "Largest rate D of the disturbance that the super-twisting law rejects.", default=0.0
+    )
+    slows_to_reach: bool = setting(
+        "Whether the car slows down where the reaching condition does not hold.", default=False
+    )
     layer_narrows_below_mps: float = setting(
-        "below it the layer of s_r narrows with the authority, so the loop does not ring", default=0.0, ge=0.0
+        "Speed below which the layer of s_r narrows with the steering authority, against oscillation.",
+        default=0.0,
+        ge=0.0,
     )
     hard_braking_error_mps: float = setting(
-        "error of the speed from which the brake goes beyond a_0, to its full 1 m/s later; 0: never",
+        "Speed error from which the brake exceeds a_0, to its full 1 m/s later; 0 never exceeds it.",
         default=0.0,
         ge=0.0,
     )
     change_limit_mps2: float = setting(
-        "largest change of the acceleration within `change_window_s`; 0: no limit", default=0.0, ge=0.0
+        "Largest change of the acceleration within `change_window_s`; 0 sets no limit.", default=0.0, ge=0.0
     )
     change_window_s: float = setting(
-        "time in which the acceleration may change by `change_limit_mps2`", default=0.0, ge=0.0
+        "Time in which the acceleration may change by `change_limit_mps2`.", default=0.0, ge=0.0
     )
-    feedforward: bool = setting("add the bends that the reference asks for to the steering rate", default=False)
+    feedforward: bool = setting("Whether the bends of the reference are added to the steering rate.", default=False)
 
     def __post_init__(self) -> None:
         if (self.lateral_law == "super_twisting") != (self.disturbance_radps3 > 0.0):

@@ -21,8 +21,10 @@ from vpf_sim.types import Command, DriverSetup, Observation
 
 @settings
 class Gains:
-    lateral_s: float = setting("T_y, in which an offset from the lane's centre is corrected", gt=0.0)
-    heading_s: float = setting("T_h, in which the heading is corrected; also how far ahead the lane's is read", gt=0.0)
+    lateral_s: float = setting("Time T_y in which an offset from the lane's centre is corrected.", gt=0.0)
+    heading_s: float = setting(
+        "Time T_h in which the heading is corrected, and how far ahead the lane's heading is read.", gt=0.0
+    )
 
 
 def load_gains() -> Gains:

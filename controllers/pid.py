@@ -20,19 +20,19 @@ from vpf_sim.types import Command, Floats, Observation
 class Gains:
     """Gains and limits of CARLA's agent."""
 
-    rate_hz: float = setting("of the controller; the command is held between", gt=0.0)
-    look_ahead_m: float = setting("nearer waypoints count as passed")
-    buffer_steps: int = setting("errors that the integral sums", gt=0)
-    lateral_kp: float = setting("steering per rad")
-    lateral_ki: float = setting("steering per rad and second")
-    lateral_kd: float = setting("steering per rad/s")
-    steering_limit: float = setting("of full steering", gt=0.0)
-    steering_step: float = setting("largest change of the steering in a step", gt=0.0)
-    longitudinal_kp: float = setting("throttle per km/h")
-    longitudinal_ki: float = setting("throttle per km/h and second")
-    longitudinal_kd: float = setting("throttle per km/h in a second")
-    throttle_limit: float = setting("of full throttle")
-    brake_limit: float = setting("of full brake")
+    rate_hz: float = setting("Rate of the controller; the command is held in between.", gt=0.0)
+    look_ahead_m: float = setting("Distance below which a waypoint counts as passed.")
+    buffer_steps: int = setting("Number of errors that the integral sums.", gt=0)
+    lateral_kp: float = setting("Steering for each rad of heading error.")
+    lateral_ki: float = setting("Steering for each rad of heading error and second.")
+    lateral_kd: float = setting("Steering for each rad/s of heading error.")
+    steering_limit: float = setting("Largest share of full steering.", gt=0.0)
+    steering_step: float = setting("Largest change of the steering in a step.", gt=0.0)
+    longitudinal_kp: float = setting("Throttle for each km/h of speed error.")
+    longitudinal_ki: float = setting("Throttle for each km/h of speed error and second.")
+    longitudinal_kd: float = setting("Throttle for each km/h of speed error in a second.")
+    throttle_limit: float = setting("Largest share of full throttle.")
+    brake_limit: float = setting("Largest share of full brake.")
 
 
 def load_gains() -> Gains:

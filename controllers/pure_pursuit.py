@@ -19,7 +19,7 @@ from vpf_sim.types import Floats, Observation, VehicleModel
 
 @settings
 class Gains:
-    look_ahead_m: float = setting("l, from the rear axle to the goal point", gt=0.0)
+    look_ahead_m: float = setting("Distance l from the rear axle to the goal point.", gt=0.0)
 
 
 def load_gains() -> Gains:

@@ -22,8 +22,8 @@ from vpf_sim.types import Floats, Observation, VehicleModel
 
 @settings
 class Gains:
-    k_per_s: float = setting("k, share of the cross-track error corrected in a second", gt=0.0)
-    softening_mps: float = setting("k_s, keeps the steering calm at low speed", gt=0.0)
+    k_per_s: float = setting("Share k of the cross-track error that is corrected in a second.", gt=0.0)
+    softening_mps: float = setting("Speed k_s that keeps the steering calm at low speed.", gt=0.0)
 
 
 def load_gains() -> Gains:

@@ -97,49 +97,57 @@ class HighwayConfig(Section):
     Each environment has some of them. Rewards, actions, observations and rendering of highway-env are not used.
     """
 
-    lanes_count: Lanes | None = Field(default=None, description="of the carriageway")
-    vehicles_count: Cars | None = Field(default=None, description="other cars")
+    lanes_count: Lanes | None = Field(default=None, description="Number of lanes.")
+    vehicles_count: Cars | None = Field(default=None, description="Number of other cars.")
     vehicles_density: Annotated[float, Field(gt=0.0, le=10.0)] | None = Field(
-        default=None, description="> 1 brings the other cars closer together"
+        default=None, description="Density of the other cars; above 1 they are closer together."
     )
     ego_spacing: Annotated[float, Field(ge=0.0, le=10.0)] | None = Field(
-        default=None, description="gap before the ego, as a multiple of the usual one"
+        default=None, description="Gap before the ego, as a multiple of the usual one."
     )
     initial_lane_id: Annotated[int, Field(ge=0)] | None = Field(
-        default=None, description="the ego's lane, 0 is the leftmost; drawn by default"
+        default=None, description="Lane of the ego, where 0 is the leftmost; drawn by default."
     )
-    other_vehicles_type: TrafficModel | None = Field(default=None, description="class of the other cars")
-    other_vehicles: Cars | None = Field(default=None, description="other cars")
+    other_vehicles_type: TrafficModel | None = Field(default=None, description="Class of the other cars.")
+    other_vehicles: Cars | None = Field(default=None, description="Number of other cars.")
     neighbour_vehicles_connected_lanes: bool | None = Field(
-        default=None, description="true: cars also heed those on the next and the previous road"
+        default=None, description="Whether cars also heed those on the next and the previous road."
     )
     incoming_vehicle_destination: Annotated[int, Field(ge=0, le=2)] | None = Field(
-        default=None, description="0 east, 1 south, 2 north; drawn by default"
+        default=None, description="Entry of the ego: 0 is east, 1 south, 2 north; drawn by default."
     )
     destination: Literal["o1", "o2", "o3", "random"] | None = Field(
-        default=None, description="o1 turns left, o2 goes straight on, o3 turns right"
+        default=None, description="Exit: o1 turns left, o2 goes straight on, o3 turns right."
     )
     before_merge_length: Annotated[int, Field(ge=60, le=2000)] | None = Field(
-        default=None, description="m of road before the ramp comes nearer"
+        default=None, description="Length in m of the road before the ramp comes nearer."
     )
     converge_merge_length: Annotated[int, Field(ge=20, le=500)] | None = Field(
-        default=None, description="m over which the ramp comes nearer"
+        default=None, description="Length in m over which the ramp comes nearer."
     )
     parallel_merge_length: Annotated[int, Field(ge=20, le=2000)] | None = Field(
-        default=None, description="m over which the ramp is a lane of the road"
+        default=None, description="Length in m over which the ramp is a lane of the road."
     )
     after_merge_length: Annotated[int, Field(ge=90, le=2000)] | None = Field(
-        default=None, description="m of road after the ramp's end"
+        default=None, description="Length in m of the road after the ramp's end."
     )
     roundabout_radius: Annotated[int, Field(ge=15, le=100)] | None = Field(
-        default=None, description="m, of the innermost lane's centre"
+        default=None, description="Radius in m of the innermost lane's centre."
     )
-    roundabout_lanes: Annotated[int, Field(ge=1, le=4)] | None = Field(default=None, description="of the roundabout")
-    length: Annotated[int, Field(ge=60, le=1000)] | None = Field(default=None, description="m of the long straights")
-    block_lane: bool | None = Field(default=None, description="true: barriers on the middle lane of the first straight")
-    force_decision: bool | None = Field(default=None, description="true: barriers on the first and the third lane")
-    initial_vehicle_count: Cars | None = Field(default=None, description="cars at the start, at most")
-    spawn_probability: Share | None = Field(default=None, description="of a new car in each second")
+    roundabout_lanes: Annotated[int, Field(ge=1, le=4)] | None = Field(
+        default=None, description="Number of lanes of the roundabout."
+    )
+    length: Annotated[int, Field(ge=60, le=1000)] | None = Field(
+        default=None, description="Length of the long straights in m."
+    )
+    block_lane: bool | None = Field(
+        default=None, description="Whether barriers stand on the middle lane of the first straight."
+    )
+    force_decision: bool | None = Field(
+        default=None, description="Whether barriers stand on the first and the third lane."
+    )
+    initial_vehicle_count: Cars | None = Field(default=None, description="Largest number of cars at the start.")
+    spawn_probability: Share | None = Field(default=None, description="Probability of a new car in each second.")
 
     def given(self) -> dict[str, object]:
         """The keys with a value."""
@@ -149,26 +157,26 @@ class HighwayConfig(Section):
 class HighwayEnv(Section):
     """An environment of highway-env: its road, its traffic, and where its ego starts."""
 
-    id: HighwayId = Field(description="of the environment")
+    id: HighwayId = Field(description="Name of the environment.")
     config: HighwayConfig = HighwayConfig()
-    traffic: bool = Field(default=True, description="false: an empty road")
+    traffic: bool = Field(default=True, description="Whether there are other cars.")
 
 
 class HighwayEgo(Section):
     """The ego of a highway-env road; place, heading and speed at the start are highway-env's."""
 
-    camera: CameraName = Field(default="default", description="640 x 480 pixels over 90 deg, or another camera")
+    camera: CameraName = Field(default="default", description="Camera: 640 x 480 pixels over 90 deg, or another one.")
     sensors: Sensors = Sensors()
     sensor_faults: SensorFaults = SensorFaults()
-    speed_mps: Speed | None = Field(default=None, description="at the start; none: highway-env's")
-    speed_reference_mps: Annotated[float, Field(gt=0.0, le=FASTEST_MPS)] = Field(description="to drive at")
+    speed_mps: Speed | None = Field(default=None, description="Speed at the start; highway-env's by default.")
+    speed_reference_mps: Annotated[float, Field(gt=0.0, le=FASTEST_MPS)] = Field(description="Speed to drive at.")
 
 
 class HighwayGoal(Section):
     route_m: Annotated[float, Field(gt=0.0, le=MOST_ROAD_M / 2.0)] = Field(
-        description="along the route; the goal is nearer where the lanes end before"
+        description="Length of the route; the goal is nearer where the lanes end before."
     )
-    kind: Literal["reach"] = Field(default="reach", description="cross its line")
+    kind: Literal["reach"] = Field(default="reach", description="What the car does at the goal: cross its line.")
 
 
 class HighwayScenario(ConsistentSection):

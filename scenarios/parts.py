@@ -56,7 +56,7 @@ class Line(Section):
 class Arc(Section):
     kind: Literal["arc"]
     length_m: PositiveFloat
-    radius_m: float = Field(description="> 0 turns right")
+    radius_m: float = Field(description="Radius of the bend; positive turns right.")
 
 
 class Clothoid(Section):
@@ -64,7 +64,9 @@ class Clothoid(Section):
 
     kind: Literal["clothoid"]
     length_m: PositiveFloat
-    end_radius_m: float | None = Field(default=None, description="> 0 turns right; none ends straight")
+    end_radius_m: float | None = Field(
+        default=None, description="Radius at the end; positive turns right, none ends straight."
+    )
 
 
 Segment = Annotated[Line | Arc | Clothoid, Field(discriminator="kind")]
@@ -73,35 +75,46 @@ Segment = Annotated[Line | Arc | Clothoid, Field(discriminator="kind")]
 class RoadAppearance(Section):
     """Appearance of a road: verge, surface and markings."""
 
-    verge: Literal["grass", "sand", "snow", "paved"] = Field(default="grass", description="what lies beside the road")
-    surface: Literal["asphalt", "concrete", "dark"] = Field(default="asphalt", description="what the road is made of")
+    verge: Literal["grass", "sand", "snow", "paved"] = Field(default="grass", description="What lies beside the road.")
+    surface: Literal["asphalt", "concrete", "dark"] = Field(default="asphalt", description="What the road is made of.")
     grain: Annotated[float, Field(ge=0.0, le=2.0)] = Field(
-        default=1.0, description="strength of the fine texture of road and verge: 0.3 as on a new, smooth road"
+        default=1.0, description="Strength of the fine texture of road and verge; 0.3 is that of a new, smooth road."
     )
-    worn: bool = Field(default=False, description="true: 60 % of the paint's contrast is gone")
+    worn: bool = Field(default=False, description="Whether 60 % of the paint's contrast is gone.")
     edge_lines: Literal["both", "left", "right", "none"] = Field(
-        default="both", description="which of the two solid lines are painted"
+        default="both", description="Which of the two solid lines are painted."
     )
-    lines: Literal["white", "yellow"] = Field(default="white", description="colour of all paint")
+    lines: Literal["white", "yellow"] = Field(default="white", description="Colour of all paint.")
     stripe_m: Annotated[float, Field(gt=0.0, le=50.0)] = Field(
-        default=3.0, description="length of a lane line's stripes"
+        default=3.0, description="Length of the stripes of a lane line."
     )
-    gap_m: Annotated[float, Field(gt=0.0, le=50.0)] = Field(default=6.0, description="between them")
-    studs: bool = Field(default=False, description="true: a round marker in the middle of each gap")
+    gap_m: Annotated[float, Field(gt=0.0, le=50.0)] = Field(
+        default=6.0, description="Length of the gaps between the stripes of a lane line."
+    )
+    studs: bool = Field(default=False, description="Whether a round marker is in the middle of each gap.")
     double_lines: bool = Field(
-        default=False, description="true: solid lines between lanes, as before oncoming traffic, are double"
+        default=False, description="Whether solid lines between lanes, as before oncoming traffic, are double."
     )
-    marks: bool = Field(default=False, description="true: arrows and words in the lanes, stop lines, zebra crossings")
+    marks: bool = Field(
+        default=False, description="Whether there are arrows and words in the lanes, stop lines and zebra crossings."
+    )
     bus_lane: bool = Field(
-        default=False, description="true: the rightmost lane is darker, behind a broad line, with the word BUS"
+        default=False,
+        description="Whether the rightmost lane is a darker bus lane behind a broad line, with the word BUS.",
     )
-    tram_rails: bool = Field(default=False, description="true: rails in the leftmost lane, also of oncoming traffic")
-    kerbs: bool = Field(default=False, description="true: kerb stones and a pavement beside the road, drawn flat")
+    tram_rails: bool = Field(
+        default=False, description="Whether rails lie in the leftmost lane, also of oncoming traffic."
+    )
+    kerbs: bool = Field(
+        default=False, description="Whether kerb stones and a pavement, drawn flat, are beside the road."
+    )
     hatching: bool = Field(
         default=False,
-        description="true: hatched areas that narrow the outermost lanes by 1.35 m, or less where lanes are narrow",
+        description="Whether hatched areas narrow the outermost lanes by 1.35 m, or less where lanes are narrow.",
     )
-    shadows: bool = Field(default=False, description="true: trees, posts, signs and gantries cast shadows in the sun")
+    shadows: bool = Field(
+        default=False, description="Whether trees, posts, signs and gantries cast shadows in the sun."
+    )
 
 
 class LaneWidths(Section):
@@ -118,18 +131,18 @@ class LaneWidths(Section):
 
 class Road(Section):
     look: RoadAppearance = RoadAppearance()
-    lanes: Lanes = Field(default=4, description="of the carriageway")
-    lane_width_m: LaneWidth = Field(default=3.5, description="of each")
+    lanes: Lanes = Field(default=4, description="Number of lanes, oncoming ones included.")
+    lane_width_m: LaneWidth = Field(default=3.5, description="Width of each lane.")
     widths: Annotated[tuple[LaneWidths, ...], Field(strict=False)] = Field(
-        default=(), description="of lanes that differ or change along the road, in place of `lane_width_m`"
+        default=(), description="Widths of lanes that differ or change along the road, in place of `lane_width_m`."
     )
     oncoming_lanes: Annotated[int, Field(ge=0, le=19)] = Field(
-        default=0, description="of the lanes, the leftmost, beyond a solid line"
+        default=0, description="Number of the lanes on the left that are oncoming, beyond a solid line."
     )
     start_m: Annotated[tuple[Place, Place], Field(strict=False)] = Field(
-        default=(0.0, 0.0), description="of the centre line of the carriageway, along which s_m runs"
+        default=(0.0, 0.0), description="Start of the carriageway's centre line, along which s_m runs."
     )
-    heading_deg: Degrees = Field(default=0.0, description="of the first segment")
+    heading_deg: Degrees = Field(default=0.0, description="Heading of the first segment.")
     segments: Annotated[tuple[Segment, ...], Field(strict=False, min_length=1)]
 
     @property
@@ -175,23 +188,29 @@ Spread = Annotated[float, Field(ge=0.0, le=100.0)]
 class Sensors(Section):
     """Standard deviations of the ego's sensor errors; scale, bias and mounting are drawn once."""
 
-    position_noise_m: Spread = Field(default=0.0, description="of each reading")
+    position_noise_m: Spread = Field(default=0.0, description="Standard deviation of each position.")
     position_walk_m: Spread = Field(
-        default=0.0, description="of a random walk after a second; it grows with the root of the time"
+        default=0.0,
+        description="Standard deviation of the position's random walk after a second.",
     )
-    heading_noise_deg: Spread = Field(default=0.0, description="of each reading")
-    heading_walk_deg: Spread = Field(default=0.0, description="of a random walk after a second")
+    heading_noise_deg: Spread = Field(default=0.0, description="Standard deviation of each heading.")
+    heading_walk_deg: Spread = Field(
+        default=0.0, description="Standard deviation of the heading's random walk after a second."
+    )
     speed_scale: Annotated[float, Field(ge=0.0, le=1.0)] = Field(
-        default=0.0, description="share, drawn once an episode"
+        default=0.0, description="Standard deviation of the speedometer's scale error, drawn once an episode."
     )
-    speed_noise_mps: Spread = Field(default=0.0, description="of each reading")
-    yaw_rate_bias_radps: Spread = Field(default=0.0, description="drawn once an episode")
-    yaw_rate_noise_radps: Spread = Field(default=0.0, description="of each reading")
+    speed_noise_mps: Spread = Field(default=0.0, description="Standard deviation of each speed.")
+    yaw_rate_bias_radps: Spread = Field(
+        default=0.0, description="Standard deviation of the yaw rate's bias, drawn once an episode."
+    )
+    yaw_rate_noise_radps: Spread = Field(default=0.0, description="Standard deviation of each yaw rate.")
     mounting_deg: Annotated[float, Field(ge=0.0, le=10.0)] = Field(
-        default=0.0, description="pitch of the camera that the driver does not know, drawn once an episode"
+        default=0.0,
+        description="Standard deviation of a camera pitch that the driver does not know, drawn once an episode.",
     )
     pitch_deg: Annotated[float, Field(ge=0.0, le=10.0)] = Field(
-        default=0.0, description="of the body on its springs, 1.5 Hz"
+        default=0.0, description="Standard deviation of the body's pitch on its springs, at 1.5 Hz."
     )
 
 
@@ -202,27 +221,27 @@ Seconds = Annotated[float, Field(gt=0.0, le=LONGEST_S)]
 class SensorFaults(Section):
     """Faults of the ego's sensors, none by default; shares refer to all frames or all readings."""
 
-    drop_share: Share = Field(default=0.0, description="frames that never arrive")
+    drop_share: Share = Field(default=0.0, description="Share of frames that never arrive.")
     latency_ms: Annotated[float, Field(ge=0.0, le=2000.0)] = Field(
-        default=0.0, description="from the exposure of a frame to its arrival"
+        default=0.0, description="Time from the exposure of a frame to its arrival."
     )
     freeze_share: Share = Field(
-        default=0.0, description="frames that repeat an earlier picture under a new time stamp, in stretches"
+        default=0.0, description="Share of frames that repeat an earlier picture under a new time stamp, in stretches."
     )
-    freeze_s: Seconds = Field(default=0.5, description="length of a frozen stretch")
-    black_share: Share = Field(default=0.0, description="frames that are black")
-    torn_share: Share = Field(default=0.0, description="frames whose lower part is that of the frame before")
-    noise_rows_share: Share = Field(default=0.0, description="frames with a band of rows of noise")
-    exposure_jump_share: Share = Field(default=0.0, description="frames that are brighter or darker")
+    freeze_s: Seconds = Field(default=0.5, description="Length of a frozen stretch.")
+    black_share: Share = Field(default=0.0, description="Share of frames that are black.")
+    torn_share: Share = Field(default=0.0, description="Share of frames whose lower part is that of the frame before.")
+    noise_rows_share: Share = Field(default=0.0, description="Share of frames with a band of rows of noise.")
+    exposure_jump_share: Share = Field(default=0.0, description="Share of frames that are brighter or darker.")
     exposure_jump_stops: Annotated[float, Field(gt=0.0, le=8.0)] = Field(
-        default=1.0, description="by this many factors of 2"
+        default=1.0, description="Size of an exposure jump, in factors of 2."
     )
     speed_stuck_after_s: Seconds | None = Field(
-        default=None, description="the speedometer repeats its reading from then on"
+        default=None, description="Time from which the speedometer repeats its value."
     )
-    yaw_rate_spike_share: Share = Field(default=0.0, description="readings of the yaw rate that are off")
+    yaw_rate_spike_share: Share = Field(default=0.0, description="Share of yaw rates with a spike.")
     yaw_rate_spike_radps: Annotated[float, Field(gt=0.0, le=100.0)] = Field(
-        default=1.0, description="size of a spike, to either side"
+        default=1.0, description="Size of a spike of the yaw rate, to either side."
     )
 
     @property
@@ -241,48 +260,57 @@ CameraName = Literal["default", "dash-cam", "phone", "kitti"]
 
 
 class Ego(Section):
-    camera: CameraName = Field(default="default", description="640 x 480 pixels over 90 deg, or another camera")
+    camera: CameraName = Field(default="default", description="Camera: 640 x 480 pixels over 90 deg, or another one.")
     sensors: Sensors = Sensors()
     sensor_faults: SensorFaults = SensorFaults()
-    lane: PositiveInt = Field(default=2, description="counted from the right, from 1")
-    s_m: float = Field(default=5.0, description="along the road")
-    lateral_m: float = Field(default=0.0, description="from the lane's centre, + is right")
-    heading_deg: Degrees = Field(default=0.0, description="to the road")
-    speed_mps: Speed = Field(default=5.55, description="at the start")
+    lane: PositiveInt = Field(default=2, description="Lane of the start, counted from the right, from 1.")
+    s_m: float = Field(default=5.0, description="Start along the road.")
+    lateral_m: float = Field(default=0.0, description="Start beside the lane's centre, positive to the right.")
+    heading_deg: Degrees = Field(default=0.0, description="Heading relative to the road.")
+    speed_mps: Speed = Field(default=5.55, description="Speed at the start.")
     speed_reference_mps: Annotated[float, Field(gt=0.0, le=FASTEST_MPS)] = Field(
-        default=5.55, description="to drive at"
+        default=5.55, description="Speed to drive at."
     )
 
 
 class Goal(Section):
-    s_m: float = Field(description="along the road")
-    kind: Literal["reach", "stop"] = Field(default="reach", description="cross its line, or stand before it")
+    s_m: float = Field(description="Place of the goal along the road.")
+    kind: Literal["reach", "stop"] = Field(
+        default="reach", description="What the car does at the goal: cross its line, or stop before it."
+    )
 
 
 class Manoeuvre(Section):
     """A change of an actor's motion. It begins after the one before, when its time or its distance has come."""
 
     after_s: Annotated[float, Field(ge=0.0, le=LONGEST_S)] | None = Field(
-        default=None, description="since the manoeuvre before began, or since the start"
+        default=None, description="Time since the manoeuvre before began, or since the start."
     )
     within_m: Annotated[float, Field(gt=0.0, le=FARTHEST_M)] | None = Field(
-        default=None, description="of free road between it and the ego, in place of after_s"
+        default=None,
+        description="Free road between actor and ego at which the manoeuvre begins, in place of `after_s`.",
     )
-    speed_mps: Speed | None = Field(default=None, description="to drive at from then on")
-    rate_mps2: Annotated[float, Field(gt=0.0, le=12.0)] = Field(default=2.0, description="to brake or accelerate with")
-    lateral_m: float | None = Field(default=None, description="to move to, from the lane's centre, + is right")
-    lateral_mps: Annotated[float, Field(gt=0.0, le=12.0)] = Field(default=1.0, description="to move there with")
+    speed_mps: Speed | None = Field(default=None, description="Speed to drive at from then on.")
+    rate_mps2: Annotated[float, Field(gt=0.0, le=12.0)] = Field(
+        default=2.0, description="Deceleration or acceleration of the change of speed."
+    )
+    lateral_m: float | None = Field(
+        default=None, description="Place to move to, from the lane's centre, positive to the right."
+    )
+    lateral_mps: Annotated[float, Field(gt=0.0, le=12.0)] = Field(
+        default=1.0, description="Speed of the move to the side."
+    )
 
 
 class ObjectSpec(Section):
-    kind: ObjectKind = Field(description="of object")
-    s_m: float = Field(description="along the road")
-    lane: PositiveInt = Field(description="counted from the right, from 1")
-    lateral_m: float = Field(default=0.0, description="from the lane's centre, + is right")
-    speed_mps: Speed = Field(default=0.0, description="> 0: traffic")
-    oncoming: bool = Field(default=False, description="true: it faces and drives against the ego")
+    kind: ObjectKind = Field(description="Kind of the object.")
+    s_m: float = Field(description="Place along the road.")
+    lane: PositiveInt = Field(description="Lane, counted from the right, from 1.")
+    lateral_m: float = Field(default=0.0, description="Place beside the lane's centre, positive to the right.")
+    speed_mps: Speed = Field(default=0.0, description="Speed; an object with a speed is traffic.")
+    oncoming: bool = Field(default=False, description="Whether it faces and drives against the ego.")
     manoeuvres: Annotated[tuple[Manoeuvre, ...], Field(strict=False)] = Field(
-        default=(), description="of traffic, in order"
+        default=(), description="Manoeuvres of traffic, in order."
     )
 
     @property
@@ -292,7 +320,7 @@ class ObjectSpec(Section):
 
 
 class Limits(Section):
-    time_s: Annotated[float, Field(gt=0.0, le=LONGEST_S)] = Field(description="until the timeout")
+    time_s: Annotated[float, Field(gt=0.0, le=LONGEST_S)] = Field(description="Time until the timeout.")
 
 
 VaryKey = Literal[

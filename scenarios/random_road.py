@@ -61,40 +61,41 @@ class RandomRoad(ConsistentSection):
     """
 
     look: RoadAppearance = RoadAppearance()
-    lanes: Lanes = Field(default=4, description="of the carriageway")
-    lane_width_m: LaneWidth = Field(default=3.5, description="of each")
+    lanes: Lanes = Field(default=4, description="Number of lanes.")
+    lane_width_m: LaneWidth = Field(default=3.5, description="Width of each lane.")
     length_m: Annotated[tuple[Length, Length], Field(strict=False)] = Field(
-        default=(250.0, 400.0), description="of the route"
+        default=(250.0, 400.0), description="Range of the route's length."
     )
     heading_deg: Annotated[tuple[Degrees, Degrees], Field(strict=False)] = Field(
-        default=(-180.0, 180.0), description="of the first segment"
+        default=(-180.0, 180.0), description="Range of the first segment's heading."
     )
-    radius_m: Interval = Field(default=(80.0, 400.0), description="of bends, to either side")
+    radius_m: Interval = Field(default=(80.0, 400.0), description="Range of the radius of bends, to either side.")
     rows: Annotated[tuple[Rows, Rows], Field(strict=False)] = Field(
-        default=(0, 4), description="of objects across the road"
+        default=(0, 4), description="Range of the number of rows of objects across the road."
     )
     row_bodies: Annotated[tuple[RowObjects, RowObjects], Field(strict=False)] = Field(
-        default=(1, 3), description="objects of a row"
+        default=(1, 3), description="Range of the number of objects in a row."
     )
-    first_row_m: PositiveFloat = Field(default=50.0, description="from the ego at least")
+    first_row_m: PositiveFloat = Field(default=50.0, description="Least distance of the first row from the ego.")
     row_spacing_m: PositiveFloat = Field(
-        default=40.0, description="from the last object of a row to the first of the next at least"
+        default=40.0, description="Least distance from the last object of a row to the first of the next."
     )
-    free_gap_m: PositiveFloat = Field(default=3.5, description="that each row leaves at least")
+    free_gap_m: PositiveFloat = Field(default=3.5, description="Least width that each row leaves free.")
     gap_shift_lanes: PositiveFloat = Field(
-        default=2.0, description="largest shift of the gap's middle from that of the row before"
+        default=2.0, description="Largest shift of the gap's middle from that of the row before."
     )
     kinds: Annotated[tuple[ObjectKind, ...], Field(strict=False, min_length=1)] = Field(
-        default=KINDS, description="of objects"
+        default=KINDS, description="Kinds of objects."
     )
     events: Annotated[tuple[Rows, Rows], Field(strict=False)] = Field(
-        default=(0, 0), description="actors that get in the ego's way along the route"
+        default=(0, 0), description="Range of the number of actors that get in the ego's way along the route."
     )
     event_kinds: Annotated[tuple[Event, ...], Field(strict=False, min_length=1)] = Field(
-        default=EVENTS, description="what they do; who has no room beside the ego's lane brakes hard in it"
+        default=EVENTS, description="What these actors do; one without room beside the ego's lane brakes hard in it."
     )
     oncoming: Annotated[tuple[Rows, Rows], Field(strict=False)] = Field(
-        default=(0, 0), description="vehicles in one more lane on the left, towards the ego, or as many as fit"
+        default=(0, 0),
+        description="Range of the number of vehicles towards the ego, in one more lane on the left; as many as fit.",
     )
 
     @property

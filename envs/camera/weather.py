@@ -23,57 +23,57 @@ class Weather(BaseModel):
 
     model_config = ConfigDict(**STRICT, frozen=True)
 
-    name: str = Field(description="in tables and records; left out: the file's")
+    name: str = Field(description="Name in tables and records; by default that of the file.")
     cloudiness: Percent = Field(
         default=0.0,
-        description="0 clear, 100 overcast: how much of the light comes from all of the sky instead of the sun",
+        description="Share of the light that comes from all of the sky instead of the sun: 0 is clear, 100 overcast.",
     )
     precipitation: Percent = Field(
         default=0.0,
-        description="rain of R = 50 (p / 100)^2 mm/h: 30 is 4.5 mm/h (moderate), 60 is 18 (heavy), 100 is 50 (violent)",
+        description="Rain of 50 (p / 100)^2 mm/h: 30 is 4.5 mm/h (moderate), 60 is 18 (heavy), 100 is 50 (violent).",
     )
     precipitation_deposits: Percent = Field(
-        default=0.0, description="puddles, in places that belong to the road; more of it covers more of the road"
+        default=0.0, description="Puddles, in places that belong to the road; a larger value covers more of the road."
     )
-    wind_intensity: Percent = Field(default=0.0, description="0 to 15 m/s; slants the rain")
+    wind_intensity: Percent = Field(default=0.0, description="Wind of 0 to 15 m/s, which slants the rain.")
     fog_density: Percent = Field(
         default=0.0,
-        description="visibility 20 km x (50 m / 20 km)^(f / 100): 2 is 17.7 km, 30 is 3.3 km, 60 is 550 m, 100 is 50 m",
+        description="Visibility in fog, 20 km x (50 m / 20 km)^(f / 100): 2 is 17.7 km, 60 is 550 m, 100 is 50 m.",
     )
     wetness: Percent = Field(
         default=0.0,
-        description="of the road: darker, and a mirror at grazing angles; at least as wet as rain and puddles say",
+        description="Wetness of the road, which darkens it and reflects; at least that of rain and puddles.",
     )
     sun_altitude_angle: float = Field(
         default=45.0,
         ge=-90.0,
         le=90.0,
-        description="degrees above the horizon: -6 dusk, -90 night; vehicles have lamps on in daylight below 1000 lx",
+        description="Degrees of the sun above the horizon: -6 is dusk, -90 night; lamps are on below 1000 lx.",
     )
     sun_azimuth_angle: float = Field(
-        default=215.0, ge=0.0, le=360.0, description="degrees clockwise from the world's X axis"
+        default=215.0, ge=0.0, le=360.0, description="Degrees of the sun clockwise from the world's X axis."
     )
     droplets: Percent = Field(
         default=0.0,
-        description="on the windscreen: as many as rain of this precipitation brings, drawn in the air or not",
+        description="Drops on the windscreen: as many as rain of this precipitation brings.",
     )
     wiper_period_s: float = Field(
         default=0.0,
         ge=0.0,
         le=60.0,
-        description="from sweep to sweep, 0 is off; 1.33 and 0.92 are 45 and 65 cycles a minute",
+        description="Time between two sweeps of the wiper; 0 is off, 1.33 and 0.92 are 45 and 65 cycles a minute.",
     )
     streak_gain: float = Field(
         default=1.0,
         ge=0.0,
         le=20.0,
-        description="brightness of falling drops; 1 is physical, CARLA's look is far above",
+        description="Brightness of falling drops; 1 is physical, CARLA's rain is much brighter.",
     )
     road_friction: float | None = Field(
         default=None,
         ge=0.05,
         le=2.0,
-        description="grip of the ego's tyres, their largest acceleration / g; none: they never slip. No preset sets it",
+        description="Grip of the ego's tyres, their largest acceleration / g; by default they never slip.",
     )
 
 

@@ -13,16 +13,19 @@ Direction = Literal["forward", "backward"]
 class OpenDriveRoad(Section):
     """The road of a map, in place of segments, lanes, their width, start and heading."""
 
-    opendrive: str = Field(description="map file, relative to the scenario's file")
+    opendrive: str = Field(description="Map file, relative to the file of the scenario.")
     route: Annotated[tuple[str, ...], Field(strict=False)] = Field(
-        default=(), description="ids of connected roads, those of junctions too"
+        default=(), description="Ids of connected roads, those of junctions too."
     )
-    start: str | None = Field(default=None, alias="from", description="id of the first road, in place of `route`")
-    to: str | None = Field(default=None, description="id of the last road; the route has the fewest roads")
+    start: str | None = Field(default=None, alias="from", description="Id of the first road, in place of `route`.")
+    to: str | None = Field(default=None, description="Id of the last road; the route has the fewest roads.")
     direction: Direction | None = Field(
-        default=None, description="along or against s of the first road; none: the only one that the route allows"
+        default=None,
+        description="Direction on the first road, along or against its s; by default the one that the route allows.",
     )
-    look: RoadAppearance = Field(default=RoadAppearance(), description="goes before the map's marks")
+    look: RoadAppearance = Field(
+        default=RoadAppearance(), description="Appearance of the road; it overrides what the map says of its markings."
+    )
 
     @model_validator(mode="after")
     def _has_one_route(self) -> Self:

@@ -31,41 +31,45 @@ BASE = "robust"
 class ControllerConfig:
     """Gains in place of those of the set; none: as there."""
 
-    c_r_per_s: float | None = setting("c_r, slope of the rotational manifold", default=None, gt=0.0)
-    u0_radps: float | None = setting("u_0, rate of the steering actuator", default=None, gt=0.0)
-    reference_filter_hz: float | None = setting("low-pass of the differentiated reference", default=None, ge=0.0)
+    c_r_per_s: float | None = setting("Slope c_r of the rotational sliding manifold.", default=None, gt=0.0)
+    u0_radps: float | None = setting("Rate u_0 of the steering actuator.", default=None, gt=0.0)
+    reference_filter_hz: float | None = setting(
+        "Cut-off of the low-pass filter of the differentiated heading reference.", default=None, ge=0.0
+    )
 
 
 @settings
 class FrameConfig:
     """What is done about frames that are late or missing."""
 
-    remembered_s: float = setting("own motion that is kept, for frames that arrive late", gt=0.0)
-    longest_gap_s: float = setting("between two frames, over which points are still followed", gt=0.0)
-    blind_s: float = setting("without a new frame, after which the car brakes to a stop", gt=0.0)
-    latest_share: float = setting("of a period, the largest delay that the flow allows for", ge=0.0, le=1.0)
+    remembered_s: float = setting("Time for which the car's own motion is kept, for frames that arrive late.", gt=0.0)
+    longest_gap_s: float = setting("Longest time between two frames over which points are followed.", gt=0.0)
+    blind_s: float = setting("Time without a new frame after which the car brakes to a stop.", gt=0.0)
+    latest_share: float = setting("Largest delay that the flow allows for, as a share of a period.", ge=0.0, le=1.0)
 
 
 @settings
 class Variant:
     """One section for each stage; the planner is `paper_planner` or `lane_planner`."""
 
-    gains: str = setting("of the controller, a set [gtsmc.NAME] of controllers/gains.toml")
-    frames: FrameConfig = setting("late and missing frames")
-    frame_gate: FrameGateConfig = setting("frames that show nothing new or nothing true")
-    plausibility: PlausibilityConfig = setting("readings that cannot be")
-    flow: FlowConfig = setting("sparse optical flow")
-    focus_of_expansion: ExpansionConfig = setting("focus of expansion")
-    time_to_contact: ContactConfig = setting("time to contact")
-    obstacle_map: ObstacleMapConfig = setting("obstacle map")
-    road_edges: RoadEdgeConfig = setting("edges and lanes of the road")
-    odometry: OdometryConfig | None = setting("replaces a rough pose by speed and yaw rate", default=None)
-    camera_pitch: PitchConfig | None = setting("takes pitching and mounting out of flow and frames", default=None)
-    static_obstacles: StaticObstacleConfig | None = setting("static obstacle tracker", default=None)
-    moving_obstacles: MovingObstacleConfig | None = setting("moving-object tracker", default=None)
-    controller: ControllerConfig | None = setting("changes of the gains", default=None)
-    paper_planner: PaperPlannerConfig | None = setting("the paper's potential fields", default=None)
-    lane_planner: LanePlannerConfig | None = setting("lateral cost, path and speed in the lane", default=None)
+    gains: str = setting("Set [gtsmc.NAME] of controllers/gains.toml that the controller uses.")
+    frames: FrameConfig = setting("What is done about late and missing frames.")
+    frame_gate: FrameGateConfig = setting("Which frames are left out, as they show nothing new or nothing true.")
+    plausibility: PlausibilityConfig = setting("Which sensor values count as impossible.")
+    flow: FlowConfig = setting("Sparse optical flow.")
+    focus_of_expansion: ExpansionConfig = setting("Focus of expansion.")
+    time_to_contact: ContactConfig = setting("Time to contact.")
+    obstacle_map: ObstacleMapConfig = setting("Obstacle map.")
+    road_edges: RoadEdgeConfig = setting("Edges and lanes of the road.")
+    odometry: OdometryConfig | None = setting("Odometry by speed and yaw rate, in place of a rough pose.", default=None)
+    camera_pitch: PitchConfig | None = setting(
+        "Estimate of pitch and mounting, which is taken out of flow and frames.", default=None
+    )
+    static_obstacles: StaticObstacleConfig | None = setting("Static obstacle tracker.", default=None)
+    moving_obstacles: MovingObstacleConfig | None = setting("Moving-object tracker.", default=None)
+    controller: ControllerConfig | None = setting("Changes of the gains.", default=None)
+    paper_planner: PaperPlannerConfig | None = setting("The paper's potential fields.", default=None)
+    lane_planner: LanePlannerConfig | None = setting("Lateral cost, path and speed in the lane.", default=None)
 
     def __post_init__(self) -> None:
         if (self.paper_planner is None) == (self.lane_planner is None):

@@ -16,18 +16,22 @@ LeftPositive = Literal["steering", "yaw_rate", "yaw", "y"]
 class CameraKeys:
     """The camera's calibration and mounting."""
 
-    fx_px: float | None = setting("focal length across", default=None)
-    fy_px: float | None = setting("left out: as fx_px", default=None)
-    cx_px: float | None = setting("left out: the middle", default=None)
-    cy_px: float | None = setting("left out: the middle", default=None)
-    field_of_view_deg: float | None = setting("across, instead of fx_px", default=None)
-    distortion: tuple[float, ...] = setting("coefficients of OpenCV's model", default=())
-    model: Literal["pinhole", "fisheye"] = setting("of the lens", default="pinhole")
-    height_m: float | None = setting("above the road", default=None)
-    pitch_deg: float | None = setting("+ looks down; left out: estimated", default=None)
-    yaw_deg: float | None = setting("+ looks right; left out: estimated", default=None)
-    roll_deg: float | None = setting("+ clockwise; left out: estimated", default=None)
-    ahead_of_rear_axle_m: float = setting("of the camera", default=CAMERA_AHEAD_M)
+    fx_px: float | None = setting("Focal length across.", default=None)
+    fy_px: float | None = setting("Focal length down; by default `fx_px`.", default=None)
+    cx_px: float | None = setting("Column of the optical axis; by default the middle.", default=None)
+    cy_px: float | None = setting("Row of the optical axis; by default the middle.", default=None)
+    field_of_view_deg: float | None = setting("Angle of view across, in place of `fx_px`.", default=None)
+    distortion: tuple[float, ...] = setting("Coefficients of OpenCV's lens model.", default=())
+    model: Literal["pinhole", "fisheye"] = setting("Kind of the lens.", default="pinhole")
+    height_m: float | None = setting("Height of the camera above the road.", default=None)
+    pitch_deg: float | None = setting(
+        "Pitch of the camera, positive where it looks down; estimated by default.", default=None
+    )
+    yaw_deg: float | None = setting(
+        "Yaw of the camera, positive where it looks right; estimated by default.", default=None
+    )
+    roll_deg: float | None = setting("Roll of the camera, positive clockwise; estimated by default.", default=None)
+    ahead_of_rear_axle_m: float = setting("Distance of the camera ahead of the rear axle.", default=CAMERA_AHEAD_M)
 
     def __post_init__(self) -> None:
         if self.fx_px is not None and self.field_of_view_deg is not None:
@@ -56,8 +60,8 @@ class CameraKeys:
 class VehicleKeys:
     """The recorded car; full throttle and brake are those of the driver's model."""
 
-    wheelbase_m: float = setting("between the axles", default=WHEELBASE_M)
-    steering_ratio: float | None = setting("steering wheel over road wheels", default=None)
+    wheelbase_m: float = setting("Distance between the axles.", default=WHEELBASE_M)
+    steering_ratio: float | None = setting("Angle of the steering wheel over that of the road wheels.", default=None)
 
     def __post_init__(self) -> None:
         plausible.check_key("wheelbase_m", self.wheelbase_m)
@@ -68,10 +72,10 @@ class VehicleKeys:
 class SignalKeys:
     """The table of signals; `columns` maps our names to the names in the table."""
 
-    file: str = setting("the table", default="signals.csv")
-    offset_s: float = setting("added to the table's times: the first frame is at 0", default=0.0)
-    left_is_positive: tuple[LeftPositive, ...] = setting("signals that grow to the left", default=())
-    columns: dict[str, str] = setting("our name and the table's name", default_factory=dict)
+    file: str = setting("File of the table of signals.", default="signals.csv")
+    offset_s: float = setting("Time added to the times of the table: the first frame is at 0.", default=0.0)
+    left_is_positive: tuple[LeftPositive, ...] = setting("Signals that grow to the left.", default=())
+    columns: dict[str, str] = setting("Our name of each column and its name in the table.", default_factory=dict)
 
     def __post_init__(self) -> None:
         plausible.check_key("offset_s", self.offset_s)
@@ -83,14 +87,14 @@ class DriveFile:
     """The whole file."""
 
     schema: Literal[1]
-    frames: str = setting("a video or a folder of pictures; left out, the only one there is", default="")
-    name: str = setting("of the drive in messages and tables", default="")
-    weather: str = setting("as you call it", default="")
-    rate_hz: float | None = setting("of pictures without times", default=None)
-    speed_mps: float | None = setting("if it was held, and no table has it", default=None)
-    camera: CameraKeys = setting("the camera's calibration and mounting", default=CameraKeys())
-    vehicle: VehicleKeys = setting("the recorded car", default=VehicleKeys())
-    signals: SignalKeys | None = setting("left out: signals.csv, if there is one", default=None)
+    frames: str = setting("Video or folder of pictures; by default the only one there is.", default="")
+    name: str = setting("Name of the drive in messages and tables.", default="")
+    weather: str = setting("Weather of the drive, in your own words.", default="")
+    rate_hz: float | None = setting("Frames a second of pictures without times.", default=None)
+    speed_mps: float | None = setting("Speed that was held, where no table has it.", default=None)
+    camera: CameraKeys = setting("Calibration and mounting of the camera.", default=CameraKeys())
+    vehicle: VehicleKeys = setting("The recorded car.", default=VehicleKeys())
+    signals: SignalKeys | None = setting("Table of signals; by default signals.csv, if there is one.", default=None)
 
     def __post_init__(self) -> None:
         _check_letters(self.frames, self.name, self.weather)

@@ -85,7 +85,7 @@ def drive_of(record: dict[str, Any]) -> str:
     if record["error"] is not None:
         return f"{length}: the driver failed at frame {record['error']['frame']}; not scored."
     if scores is None:
-        return f"{length}: not scored, as nobody drove."
+        return f"{length}: not scored, as there was no human driver."
     found = [_agreement(scores, signal) for signal in ("steering", "throttle") if scores[signal] is not None]
     return f"{length}: {'; '.join(found) or 'not scored, as the human commands are not known'}."
 

@@ -16,10 +16,18 @@ StateValue = Literal["speed", "yaw_rate", "goal_forward", "goal_right", "throttl
 class Crop:
     """The part of the camera's picture that the policy gets, by shares of width and height."""
 
-    left_share: float = setting("left side", default=0.0, ge=0.0, lt=1.0)
-    top_share: float = setting("upper side", default=0.0, ge=0.0, lt=1.0)
-    right_share: float = setting("right side", default=1.0, gt=0.0, le=1.0)
-    bottom_share: float = setting("lower side", default=1.0, gt=0.0, le=1.0)
+    left_share: float = setting(
+        "Left side of the crop, as a share of the picture's width.", default=0.0, ge=0.0, lt=1.0
+    )
+    top_share: float = setting(
+        "Upper side of the crop, as a share of the picture's height.", default=0.0, ge=0.0, lt=1.0
+    )
+    right_share: float = setting(
+        "Right side of the crop, as a share of the picture's width.", default=1.0, gt=0.0, le=1.0
+    )
+    bottom_share: float = setting(
+        "Lower side of the crop, as a share of the picture's height.", default=1.0, gt=0.0, le=1.0
+    )
 
     def __post_init__(self) -> None:
         for low, high in (("left_share", "right_share"), ("top_share", "bottom_share")):
@@ -31,16 +39,16 @@ class Crop:
 class PictureInput:
     """The picture, float32 (1, channels x frames, height, width): value = (grey level - mean) / deviation."""
 
-    width_px: int = setting("after shrinking", gt=0, le=4096)
-    height_px: int = setting("after shrinking", gt=0, le=4096)
-    input: str = setting("name of the model's input", default="image")
-    colour: Literal["grey", "rgb"] = setting("one channel or three", default="grey")
+    width_px: int = setting("Width of the picture that the model gets.", gt=0, le=4096)
+    height_px: int = setting("Height of the picture that the model gets.", gt=0, le=4096)
+    input: str = setting("Name of the model's input for the picture.", default="image")
+    colour: Literal["grey", "rgb"] = setting("Whether the picture has one channel or three.", default="grey")
     frames_ago: tuple[Ago, ...] = setting(
         "which frames are stacked along the channels, in order: of how many decisions ago", default=(0,), min_length=1
     )
-    mean: float = setting("grey levels that are subtracted", default=0.0)
-    deviation: float = setting("grey levels that count as 1", default=255.0, gt=0.0)
-    crop: Crop = setting("part of the camera's picture", default_factory=Crop)
+    mean: float = setting("Grey level that is subtracted.", default=0.0)
+    deviation: float = setting("Grey levels that count as 1.", default=255.0, gt=0.0)
+    crop: Crop = setting("Part of the camera's picture that is used.", default_factory=Crop)
 
     @property
     def channels(self) -> int:
@@ -57,8 +65,8 @@ class PictureInput:
 class StateInput:
     """The state vector, float32 (1, number of values), each in [-1, 1] as in vpf_sim/FourLanePixels-v0."""
 
-    values: tuple[StateValue, ...] = setting("which, in order", min_length=1)
-    input: str = setting("name of the model's input", default="state")
+    values: tuple[StateValue, ...] = setting("Values of the state vector, in order.", min_length=1)
+    input: str = setting("Name of the model's input for the state.", default="state")
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -70,29 +78,31 @@ class StateInput:
 class Training:
     """How the policy was trained, for the record."""
 
-    command: str = setting("that trained it", default="")
-    commit: str = setting("of the sources", default="")
-    expert: str = setting("drivers that it was cloned from", default="")
-    scenarios: tuple[str, ...] = setting("trained on", default=())
-    weathers: tuple[str, ...] = setting("trained in", default=())
-    seeds: str = setting('"A:B" of the training drives, half open', default="")
-    frames: int = setting("that it was fitted to", default=0, ge=0)
-    driven_h: float = setting("hours of driving that they show", default=0.0, ge=0.0)
-    wall_h: float = setting("hours that collection and fitting took", default=0.0, ge=0.0)
+    command: str = setting("Command that trained the policy.", default="")
+    commit: str = setting("Commit of the sources that trained the policy.", default="")
+    expert: str = setting("Drivers that the policy was cloned from.", default="")
+    scenarios: tuple[str, ...] = setting("Scenarios that the policy was trained on.", default=())
+    weathers: tuple[str, ...] = setting("Weathers that the policy was trained in.", default=())
+    seeds: str = setting('Seeds of the training drives as "A:B", without B.', default="")
+    frames: int = setting("Number of frames that the policy was fitted to.", default=0, ge=0)
+    driven_h: float = setting("Hours of driving that the training frames show.", default=0.0, ge=0.0)
+    wall_h: float = setting("Hours that collection and fitting took.", default=0.0, ge=0.0)
 
 
 @settings
 class Manifest:
     """`model.toml` beside `model.onnx`; the model gets a picture, a state vector, or both."""
 
-    schema: Literal[1] = setting("version of this file's format")
-    rate_hz: float = setting("decisions a second; a command is held in between", gt=0.0, le=1000.0)
-    summary: str = setting("what the policy does, for listings", default="")
-    privileged: Literal["none"] = setting("beyond camera, odometry and goal, a policy gets nothing", default="none")
-    output: str = setting("name of the model's output, (1, 2): throttle and steering", default="action")
-    image: PictureInput | None = setting("the picture; none: frames are not drawn for it", default=None)
-    state: StateInput | None = setting("the state vector", default=None)
-    training: Training | None = setting("how it was trained", default=None)
+    schema: Literal[1] = setting("Version of the format of this file.")
+    rate_hz: float = setting("Decisions a second; a command is held in between.", gt=0.0, le=1000.0)
+    summary: str = setting("What the policy does, in one line for listings.", default="")
+    privileged: Literal["none"] = setting(
+        "Privilege of the policy: it gets nothing beyond camera, odometry and goal.", default="none"
+    )
+    output: str = setting("Name of the model's output, (1, 2): throttle and steering.", default="action")
+    image: PictureInput | None = setting("Picture that the model gets; without it no frames are drawn.", default=None)
+    state: StateInput | None = setting("State vector that the model gets.", default=None)
+    training: Training | None = setting("How the policy was trained.", default=None)
 
     def __post_init__(self) -> None:
         if self.image is None and self.state is None:

@@ -80,8 +80,12 @@ class Rule:
     precision_at_least: Share | None = None
     false_positives_per_minute_at_most: NotNegative | None = None
     perception: PerceptionBounds | None = None
-    no_worse_than: str | None = setting("a run folder or summary.json, relative to the rules file", default=None)
-    scores: tuple[Score, ...] | None = setting("compared by no_worse_than; default: all", default=None, min_length=1)
+    no_worse_than: str | None = setting(
+        "Run folder or summary.json of a baseline, relative to the rules file.", default=None
+    )
+    scores: tuple[Score, ...] | None = setting(
+        "Scores that `no_worse_than` compares; all by default.", default=None, min_length=1
+    )
 
     def __post_init__(self) -> None:
         if not self.bounds() and self.no_worse_than is None and self.perception is None:
@@ -99,7 +103,7 @@ BOUNDS = tuple(key for field in fields(Rule) if (key := field.name).endswith(("_
 
 @settings
 class Rules:
-    rules: tuple[Rule, ...] = setting("each for the cells that it names", min_length=1)
+    rules: tuple[Rule, ...] = setting("Rules, each for the cells that it names.", min_length=1)
 
 
 def read_rules(path: Path) -> list[Rule]:

@@ -25,11 +25,13 @@ Drive = tuple[str, str, Annotated[int, Field(ge=0)]]  # scenario, weather and se
 class Plan:
     """The grid of a sweep, or the single `drives` of it."""
 
-    scenario: tuple[str, ...] = setting("names or files", min_length=1)
-    weather: tuple[str, ...] = setting("names or files", min_length=1)
-    driver: tuple[str, ...] = setting("names", min_length=1)
-    seeds: str = setting('"A:B", half open, or a list of numbers')
-    drives: tuple[Drive, ...] = setting("scenario, weather and seed of single drives", default=())
+    scenario: tuple[str, ...] = setting("Names or files of the scenarios.", min_length=1)
+    weather: tuple[str, ...] = setting("Names or files of the weathers.", min_length=1)
+    driver: tuple[str, ...] = setting("Names of the drivers.", min_length=1)
+    seeds: str = setting('Seeds as "A:B", without B, or as a list of numbers.')
+    drives: tuple[Drive, ...] = setting(
+        "Scenario, weather and seed of each single drive, in place of a grid.", default=()
+    )
 
     def jobs(self) -> list[Job]:
         """The planned episodes, seed by seed, so that an interrupted sweep has episodes of every cell."""
@@ -104,7 +106,7 @@ def _of_drives(table: dict[str, Any], where: str) -> Plan:
 
 @settings
 class _Drives:
-    drives: tuple[Drive, ...] = setting("scenario, weather and seed of each", min_length=1)
+    drives: tuple[Drive, ...] = setting("Scenario, weather and seed of each single drive.", min_length=1)
 
 
 def _hash(value: Iterable[Any] | Any) -> str:
