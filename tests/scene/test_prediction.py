@@ -1,5 +1,7 @@
 """Where tracks will be, against closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from made_scene import LANE_M, road, tracks
@@ -45,6 +47,16 @@ def test_oncoming_traffic_drives_against_s() -> None:
     straight = road()
     seen = predict(straight, tracks(straight, (80.0, -LANE_M, np.pi, 8.0, 4.5, 1.9)), TIMES_S)
     np.testing.assert_allclose(seen.x_m[0], 80.0 - 8.0 * TIMES_S, atol=1e-9)
+
+
+def test_oncoming_traffic_goes_straight_on_where_the_own_road_bends_away() -> None:
+    bend = road(1.0 / 30.0)
+    no_lane = (bend.station_m > 20.0) & (bend.station_m < 30.0)  # left of the own lane, as in a junction
+    left = np.where(no_lane, -LANE_M / 2.0, bend.left_m)
+    seen = predict(replace(bend, left_m=left), tracks(bend, (35.0, -LANE_M, np.pi, 8.0, 4.5, 1.9)), TIMES_S)
+    turned = np.abs(seen.heading_rad[0, -1] - seen.heading_rad[0, 0])
+    assert turned < 8.0 / 30.0 < 8.0 * TIMES_S[-1] / 30.0
+    np.testing.assert_allclose(np.hypot(np.diff(seen.x_m[0]), np.diff(seen.y_m[0])), 4.0, rtol=0.15)
 
 
 def test_the_uncertainty_grows_with_that_of_the_speed() -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from vpf_sim.geometry import wrap_angles
 from vpf_sim.scene.road import Road
 from vpf_sim.scene.tracks import Tracks
-from vpf_sim.types import Bools, Floats, Reals
+from vpf_sim.types import Bools, Floats, Integers, Reals
 
 ALONG_RAD = 0.5  # a track at a smaller angle to the road, in either direction, drives along it
 LANE_CHANGE_MPS = 0.05  # lateral speed of a vehicle that changes its lane
@@ -51,6 +51,7 @@ def predict(road: Road, tracks: Tracks, times_s: Reals) -> Prediction:
         d = tracks.d_m[rows, None] + _aside(road, tracks.d_m[rows], across[rows], times_s)
         x[rows], y[rows], road_heading = road.world(s, d)
         heading[rows] = road_heading + relative[rows, None]
+        _leave(road, s, d, rows, (x, y, heading), tracks.speed_mps, times_s)
     return Prediction(
         tracks, x, y, heading, _sigma(tracks, 0, times_s), _sigma(tracks, 1, times_s), on_road, along, across
     )
@@ -71,6 +72,27 @@ def _aside(road: Road, d_m: Floats, across: Floats, times_s: Reals) -> Floats:
     reach = ahead * road.lane_width_m + road.route_m - d_m
     limit = np.where(np.abs(across) > LANE_CHANGE_MPS, np.maximum(np.where(across > 0.0, reach, -reach), 0.0), np.inf)
     return np.clip(aside, -limit[:, None], limit[:, None])
+
+
+def _leave(
+    road: Road,
+    s: Floats,
+    d: Floats,
+    rows: Integers,
+    poses: tuple[Floats, Floats, Floats],
+    speed: Floats,
+    times_s: Reals,
+) -> None:
+    """Let tracks go straight on from where the road does not lead on at their d, as before a junction."""
+    here = road.at(s)
+    outside = (d < here.left_m - BESIDE_M) | (d > here.right_m + BESIDE_M)
+    x, y, heading = poses
+    for index in np.flatnonzero(outside.any(axis=1)).tolist():
+        row, last = int(rows[index]), max(int(outside[index].argmax()) - 1, 0)
+        driven = speed[row] * (times_s[last:] - times_s[last])
+        heading[row, last:] = heading[row, last]
+        x[row, last:] = x[row, last] + driven * np.cos(heading[row, last])
+        y[row, last:] = y[row, last] + driven * np.sin(heading[row, last])
 
 
 def _turning(tracks: Tracks, times_s: Reals) -> tuple[Floats, Floats, Floats]:
