@@ -58,6 +58,8 @@ def lay_out(revision: str | None, folder: Path) -> Path:
     source.mkdir(parents=True)
     site.mkdir()
     check_out(revision, source)
+    if (source / "building").exists():  # the camera's core, which older commits do not have
+        subprocess.run([sys.executable, "-m", "building"], cwd=source, check=True)
     project = tomllib.loads((source / "pyproject.toml").read_text("utf-8"))
     mapped: dict[str, str] = project["tool"]["setuptools"]["package-dir"]
     for package in sorted(mapped, key=lambda name: name.count(".")):  # outer ones first

@@ -39,7 +39,7 @@ def compare(repository: Path, folder: Path, revision: str) -> subprocess.Complet
 
 
 def test_only_the_driver_whose_code_was_edited_differs(repository: Path, tmp_path: Path) -> None:
-    file = repository / "controllers" / "neutral.py"
+    file = repository / "vpf_sim" / "drivers" / "baselines.py"
     code = file.read_text()
     assert NEUTRAL in code
     file.write_text(code.replace(NEUTRAL, PUSHED))

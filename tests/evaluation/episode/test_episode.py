@@ -190,7 +190,9 @@ def test_commands_beyond_the_limits_are_clipped_and_recorded_so() -> None:
 def test_an_invalid_frame_is_recorded() -> None:
     outcome = roll_out(TinyWorld(invalid_after=3), Constant(), Constant(), seed=0)
     assert (outcome.status, len(outcome.steps)) == ("invalid_frame", 3)
-    assert outcome.invalid_frame == {"frame": 3, "time_s": 0.3, "fault": "stale"}
+    fault = outcome.invalid_frame
+    assert fault is not None
+    assert (fault.frame, fault.time_s, fault.fault) == (3, 0.3, "stale")
 
 
 def test_no_driver_receives_an_invalid_first_frame() -> None:
