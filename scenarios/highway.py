@@ -97,6 +97,11 @@ class HighwayConfig(Section):
     Each environment has some of them. Rewards, actions, observations and rendering of highway-env are not used.
     """
 
+    added = frozenset({
+        "after_merge_length", "before_merge_length", "block_lane", "converge_merge_length", "force_decision", "length",
+        "parallel_merge_length", "roundabout_lanes", "roundabout_radius",
+    })  # fmt: skip
+
     lanes_count: Lanes | None = Field(default=None, description="Number of lanes.")
     vehicles_count: Cars | None = Field(default=None, description="Number of other cars.")
     vehicles_density: Annotated[float, Field(gt=0.0, le=10.0)] | None = Field(

@@ -4,8 +4,8 @@ Positions are s_m along the carriageway's centre line and metres right of a lane
 right, from 1. Positive radii and heading changes turn right.
 """
 
-from collections.abc import Iterator
-from typing import Annotated, Literal, Self
+from collections.abc import Iterable, Iterator
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, PositiveInt, model_validator
 
@@ -31,6 +31,14 @@ class Section(BaseModel):
     """Base of all sections: frozen, without unknown keys, nan and inf."""
 
     model_config = ConfigDict(**STRICT, frozen=True, populate_by_name=True)
+    added: ClassVar[frozenset[str]] = frozenset()  # fields that came later, of which the default is left out of repr
+
+    def __repr_args__(self) -> Iterable[tuple[str | None, Any]]:
+        """Without `added` fields at their default, so that the hash of a scenario stays what runs have stored."""
+        fields = type(self).model_fields
+        for key, value in super().__repr_args__():
+            if key not in self.added or value != fields[key].default:
+                yield key, value
 
 
 class ConsistentSection(Section):
@@ -130,6 +138,8 @@ class LaneWidths(Section):
 
 
 class Road(Section):
+    added = frozenset({"widths"})
+
     look: RoadAppearance = RoadAppearance()
     lanes: Lanes = Field(default=4, description="Number of lanes, oncoming ones included.")
     lane_width_m: LaneWidth = Field(default=3.5, description="Width of each lane.")

@@ -282,3 +282,12 @@ def test_a_base_may_have_a_base_itself(name: str) -> None:
     below = scenarios.load(name)
     assert mine.random.lanes == 3
     assert (mine.random.look, mine.ego.camera) == (below.random.look, below.ego.camera)
+
+
+def test_fields_that_came_later_change_a_scenarios_text_only_where_they_are_given() -> None:
+    """Runs store the hash of this text, so `score` and `--resume` accept runs from before the field."""
+    road = scenarios.load("straight").road
+    widths = [{"s_m": 0.0, "lanes_m": [3.0] * road.lanes}]
+    given = type(road).model_validate({"lanes": road.lanes, "segments": list(road.segments), "widths": widths})
+    assert "widths" not in repr(road)
+    assert "widths" in repr(given)
