@@ -36,7 +36,7 @@ MAY_IMPORT = {
     "controllers": LEAVES,
     "envs": LEAVES | {"scenarios"},
     "perception": LEAVES,
-    "scene": LEAVES,
+    "scene": LEAVES | {"perception"},
     "planning": LEAVES | {"perception", "scene"},
     "drivers": LEAVES | {"perception", "scene", "planning", "controllers"},
 }

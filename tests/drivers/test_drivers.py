@@ -57,6 +57,7 @@ def frame(level: int = 90) -> Observation:
 def test_the_registry_and_its_descriptions() -> None:
     assert drivers.names() == [
         "vpf",
+        "vpf-scene",
         "vpf-paper",
         "vpf-literal",
         "pid",
@@ -78,7 +79,8 @@ def test_the_registry_and_its_descriptions() -> None:
 
 def test_only_vision_drivers_look_at_the_frames(module: str) -> None:
     seeing = [name for name in drivers.names() if drivers.uses_images(drivers.create(name))]
-    assert seeing == ["vpf", "vpf-paper", "vpf-literal", "lane-lines", "dominant-plane", "learned-bc", "learned-ppo"]
+    ours, rivals = ["vpf", "vpf-scene", "vpf-paper", "vpf-literal"], ["lane-lines", "dominant-plane"]
+    assert seeing == [*ours, *rivals, "learned-bc", "learned-ppo"]
     assert drivers.uses_images(drivers.create(f"{module}:Own")), "who does not say is shown them"
 
 
@@ -89,7 +91,7 @@ def test_naming_the_drivers_loads_none_of_them() -> None:
     assert done.stdout.strip() == "[]"
 
 
-@pytest.mark.parametrize("name", ["vpf", "vpf-paper", "vpf-literal"])
+@pytest.mark.parametrize("name", ["vpf", "vpf-scene", "vpf-paper", "vpf-literal"])
 def test_a_vision_driver_survives_a_frame_without_any_texture(name: str) -> None:
     driver = drivers.create(name)
     driver.reset(setup())

@@ -95,7 +95,7 @@ def driven(name: str, drive: Drive) -> tuple[Floats, Plan]:
     return np.array([(command.throttle, command.steering) for command in commands]), plan
 
 
-@pytest.mark.parametrize("name", ["vpf", "vpf-paper"])
+@pytest.mark.parametrize("name", ["vpf", "vpf-scene", "vpf-paper"])
 def test_turning_and_moving_the_world_changes_no_command(name: str, drive: Drive) -> None:
     here, plan = driven(name, drive)
     there, _ = driven(name, moved(drive, radians(137.0), (600.0, -800.0)))

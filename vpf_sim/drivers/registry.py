@@ -9,6 +9,7 @@ from vpf_sim import process_state
 from vpf_sim.drivers import own, own_names
 from vpf_sim.drivers.baselines import IdmDriver, NeutralDriver, RouteDriver
 from vpf_sim.drivers.expert import ExpertDriver
+from vpf_sim.drivers.scene_driver import SceneDriver
 from vpf_sim.drivers.vision_driver import VisionDriver
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.types import Driver, Privilege
@@ -61,6 +62,9 @@ _REGISTRY: dict[str, _Entry] = {
         lambda: VisionDriver("robust"),
         "none",
         "tracked obstacles and road, lateral cost, sliding mode (variant robust)",
+    ),
+    "vpf-scene": _Entry(
+        SceneDriver, "none", "the coming form of vpf: its perception fills a scene, planned in space and time"
     ),
     "vpf-paper": _Entry(
         lambda: VisionDriver("paper"), "none", "the paper's method with the fewest repairs that make it run"

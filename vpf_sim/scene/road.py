@@ -7,6 +7,9 @@ import numpy as np
 
 from vpf_sim.types import Floats, Reals
 
+PROJECTIONS = 4  # of a point on the road, each from the foot of the last
+LEAST_STRETCH = 0.2  # of 1 - d * curvature, on the inside of a bend
+
 
 class Section(NamedTuple):
     """Quantities of the road at some s, each of the shape of s."""
@@ -66,3 +69,15 @@ class Road:
         here = self.at(s_m)
         x_m, y_m = here.x_m - d_m * np.sin(here.heading_rad), here.y_m + d_m * np.cos(here.heading_rad)
         return x_m, y_m, here.heading_rad
+
+    def place_at(self, x_m: Floats, y_m: Floats, near_s_m: Floats) -> tuple[Floats, Floats]:
+        """s and d (N,) m of points (N,) in the world, each the foot of the perpendicular nearest to `near_s_m`."""
+        s = np.asarray(near_s_m, float)
+        for _ in range(PROJECTIONS):
+            here = self.at(s)
+            dx, dy = x_m - here.x_m, y_m - here.y_m
+            along = dx * np.cos(here.heading_rad) + dy * np.sin(here.heading_rad)
+            d = dy * np.cos(here.heading_rad) - dx * np.sin(here.heading_rad)
+            s = s + along / np.maximum(1.0 - here.curvature_per_m * d, LEAST_STRETCH)
+        here = self.at(s)
+        return s, (y_m - here.y_m) * np.cos(here.heading_rad) - (x_m - here.x_m) * np.sin(here.heading_rad)

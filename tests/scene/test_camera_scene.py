@@ -1,0 +1,91 @@
+"""What a camera perceives as a scene, against circles and straight lines."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from made_scene import road
+
+from vpf_sim.perception.obstacles.prediction import none
+from vpf_sim.scene.camera import CameraScene, road_of
+from vpf_sim.types import Observation, Obstacles, RoadEdges
+
+RADIUS_M, LANE_M = 60.0, 3.5
+SIDES_M = (-7.0, 7.0)  # of the road's reference line
+
+
+def edges_at(d_m: float, turned_rad: float, curvature_per_m: float, oncoming_m: float = 0.0) -> RoadEdges:
+    """What a camera sees at `d_m`, turned to the right of the road; `curvature_per_m` is the reference line's."""
+    left, right = (side - d_m for side in SIDES_M)
+    here = curvature_per_m / (1.0 - curvature_per_m * d_m)
+    return RoadEdges(left, right, -turned_rad, here, 0.02, 1.0, -d_m, LANE_M, 1.0, oncoming_m)
+
+
+def seen(edges: RoadEdges, obstacles: Obstacles | None = None) -> Any:
+    return SimpleNamespace(road=edges, obstacles=none() if obstacles is None else obstacles)
+
+
+def on_circle(angle_rad: float, d_m: float) -> tuple[float, float]:
+    """A place right of a circle that begins at the origin along x and bends right."""
+    radius = RADIUS_M - d_m
+    return radius * np.sin(angle_rad), RADIUS_M - radius * np.cos(angle_rad)
+
+
+def observed(x_m: float, y_m: float, yaw_rad: float, time_s: float = 0.0) -> Observation:
+    return Observation(np.empty((0, 0, 3), np.uint8), time_s, x_m, y_m, yaw_rad, 5.0, 0.0, (0.0, 0.0))
+
+
+@pytest.mark.parametrize("d_m", [-4.0, 0.0, 3.0])
+def test_the_reference_line_of_a_bend_is_the_circle(d_m: float) -> None:
+    edges = edges_at(d_m, 0.1, 1.0 / RADIUS_M)
+    found = road_of(edges, np.array([*on_circle(0.2, d_m), 0.3]), 12.0)
+    ahead = np.array([0.0, 10.0, 25.0])
+    x, y, heading = found.world(12.0 + ahead, np.zeros(3))
+    np.testing.assert_allclose(np.stack([x, y]), on_circle(0.2 + ahead / RADIUS_M, 0.0), atol=0.01)
+    np.testing.assert_allclose(heading, 0.2 + ahead / RADIUS_M, atol=1e-6)
+
+
+def test_places_in_the_world_and_on_the_road_are_inverse() -> None:
+    bend = road(1.0 / RADIUS_M)
+    s, d = np.array([3.0, 20.0, 41.3]), np.array([-5.0, 0.0, 4.0])
+    x, y, _ = bend.world(s, d)
+    np.testing.assert_allclose(bend.place_at(x, y, s + np.array([6.0, -6.0, 3.0])), (s, d), atol=2e-3)
+
+
+def test_s_counts_the_way_along_the_reference_line() -> None:
+    scene, d_m = CameraScene(), 3.0
+    for angle in np.arange(0.0, 1.0, 0.01):
+        scene.update(seen(edges_at(d_m, 0.0, 1.0 / RADIUS_M)), observed(*on_circle(angle, d_m), angle), 5.0)
+    s, d = scene.place(observed(*on_circle(1.0, 2.0), 1.0))
+    assert s == pytest.approx(RADIUS_M, abs=0.05)
+    assert d == pytest.approx(2.0, abs=0.01)
+
+
+def test_the_carriageway_ends_beyond_the_lanes_of_oncoming_traffic() -> None:
+    edges = RoadEdges(-1.75, 1.75, 0.0, 0.0, 0.02, 1.0, 0.0, LANE_M, 1.0, oncoming_m=LANE_M)
+    found = road_of(edges, np.zeros(3), 0.0)
+    here = found.at(np.array([10.0]))
+    assert (here.left_m[0], here.own_left_m[0], here.right_m[0]) == (-5.25, -1.75, 1.75)
+    np.testing.assert_allclose(found.lanes_at(np.array([10.0])), [[0.0]])
+
+
+def test_an_obstacle_keeps_its_place_in_the_world() -> None:
+    """A standing car's rear 20 m ahead on a straight road, and one that drives at 4 m/s; the own car is turned."""
+    turned, d_m = 0.2, 1.0
+    scene = CameraScene()
+    faces = np.array([[20.0, 0.5], [12.0, -3.0]]) - [0.0, d_m]  # along the road, right of the car
+    forward = np.cos(turned) * faces[:, 0] + np.sin(turned) * faces[:, 1]
+    aside = np.cos(turned) * faces[:, 1] - np.sin(turned) * faces[:, 0]
+    some = np.full(2, 0.2)
+    obstacles = Obstacles(
+        forward, aside - 0.9, aside + 0.9, some, some, np.array([3, -1]), speed_mps=np.array([0.0, 4.0])
+    )
+    made = scene.update(seen(edges_at(d_m, turned, 0.0), obstacles), observed(0.0, d_m, turned), 5.0)
+    tracks = made.tracks
+    np.testing.assert_allclose(tracks.s_m - 0.5 * tracks.length_m, [20.0, 12.0], atol=1e-6)
+    np.testing.assert_allclose(tracks.d_m, [0.5, -3.0], atol=1e-6)
+    np.testing.assert_allclose(tracks.y_m, [0.5, -3.0], atol=1e-6)
+    np.testing.assert_allclose(tracks.heading_rad, 0.0, atol=1e-9)
+    assert tracks.speed_mps.tolist() == [0.0, 4.0]
+    assert (made.ego.d_m, made.road.route_m) == (d_m, 0.0)
