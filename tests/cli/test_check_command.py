@@ -8,7 +8,7 @@ from typing import Any
 from xml.etree import ElementTree as Xml
 
 import pytest
-from gated_runs import lost, run, spread
+from gated_runs import Change, lost, run, spread
 
 from vpf_sim import cli
 from vpf_sim.evaluation.gate.cells import Cell
@@ -149,6 +149,39 @@ def test_markdown_has_the_verdict_the_failures_and_their_commands(tmp_path: Path
     rules.write_text("[[rules]]\ncollisions_at_most = 9")
     assert cli.run(["check", str(folder), "--rules", str(rules), "--markdown", str(out)]) == 0
     assert out.read_text("utf-8").startswith("## ✅ Gate: all checks passed\n")
+
+
+def one_not_driven(job: Job) -> dict[str, Any] | None:
+    return None if job.seed == 3 else {}
+
+
+@pytest.mark.parametrize(
+    ("change", "shown", "hidden"),
+    [
+        (
+            lambda _: {"status": "collision", "collisions": 1},
+            ["success_rate", "collisions"],
+            ["clearance", "path_mse", "recall"],
+        ),
+        (one_not_driven, ["success_rate", "collisions"], ["clearance", "path_mse", "recall"]),
+        (lambda _: {"path_mse_m2": 9.0}, ["path_mse", "success_rate", "clearance"], ["recall"]),
+    ],
+)
+def test_terminal_and_markdown_list_the_same_lost_drives_first(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, change: Change, shown: list[str], hidden: list[str]
+) -> None:
+    folder, rules, out = run(tmp_path / "run", change), tmp_path / "rules.toml", tmp_path / "out.md"
+    bounds = "recall_at_least = 0.5\nclearance_m_at_least = 0.1\npath_mse_m2_at_most = 1\nsuccess_rate_at_least = 1\n"
+    rules.write_text(f'[[rules]]\nscenario = "town04"\n{bounds}collisions_at_most = 0')
+    assert cli.run(["check", str(folder), "--rules", str(rules), "--markdown", str(out)]) == 1
+    printed = capsys.readouterr().out.partition("\nnot listed: ")
+    written = out.read_text("utf-8").partition("All checks")[2].replace("\\_", "_").partition("Not listed: ")
+    assert printed[2].startswith(f"{len(hidden)} that do not apply")
+    assert written[2].startswith(f"{len(hidden)} that do not apply")
+    for table in (printed[0], written[0]):
+        places = [table.index(f"{name}_") if name != "collisions" else table.index(name) for name in shown]
+        assert places == sorted(places), "what fails first"
+        assert not any(name in table for name in hidden)
 
 
 def test_a_name_has_no_meaning_in_markdown(tmp_path: Path) -> None:

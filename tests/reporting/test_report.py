@@ -177,9 +177,7 @@ def test_its_numbers_are_the_summarys(run: Path, written: Path) -> None:
     for row in order.sorted(open_run(run).summary().rows):
         assert f"{row.successes} of {row.episodes}" in html
         for column in DRIVING:
-            is_of_others = column.over == "successes" and not row.successes
-            value = row.unsuccessful.get(column.key) if is_of_others else row[column]
-            if value is not None:
+            if (value := row[column]) is not None:
                 words = f"{100.0 * value if column.percent else value:.{column.digits}f}"
                 expected.append((value, words.replace("-", "−")))
     assert [exact for exact, _ in main.data] == [value for value, _ in expected]
@@ -303,13 +301,13 @@ def test_the_answer_of_one_driver_says_where_it_failed() -> None:
     assert only.endswith(" %): 4 of 5 on town04 in clear, all in the others.")
 
 
-def test_a_driver_without_success_is_scored_in_grey() -> None:
+def test_a_driver_without_success_has_no_figures_of_its_path() -> None:
     (group,) = cells.groups([row("vpf", "town04", 0)], ORDER)
     (shown,) = group.rows
     assert (shown.successes, shown.endings) == (0, "4 collision, 1 not driven")
-    assert (shown.cells[0].text, shown.cells[0].grey) == ("9.000", True)
+    assert [cell.text for cell in shown.cells[:3]] == ["–", "–", "–"]
     (shown,) = cells.groups([row("vpf", "town04", 5, -0.0)], ORDER)[0].rows
-    assert (shown.cells[0].text, shown.cells[0].grey) == ("0.000", False)
+    assert shown.cells[0].text == "0.000"
 
 
 def test_intervals_are_read_from_the_summary() -> None:

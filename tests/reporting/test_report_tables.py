@@ -40,10 +40,7 @@ def words(table: tables.Table | None) -> list[list[str]]:
 
 def test_accuracy_is_shown_by_definition_and_protocol() -> None:
     found = accuracy.by_definition([row(), row("pid"), row(weather="rain", successes=0)], ORDER, "steering")
-    assert words(found) == [
-        ["town04", "clear", "vpf", "80.0", "70.0", "60.0", "40.0", "30.0", "20.0"],
-        ["town04", "rain", "vpf", "(80.0)", "(70.0)", "(60.0)", "(40.0)", "(30.0)", "(20.0)"],
-    ]
+    assert words(found) == [["town04", "clear", "vpf", "80.0", "70.0", "60.0", "40.0", "30.0", "20.0"]]
     assert accuracy.by_definition([row("pid")], ORDER, "steering") is None
 
 
@@ -68,6 +65,13 @@ def test_perception_has_a_table_of_the_frame_and_one_of_objects() -> None:
     assert words(seen) == [["town04", "clear", "vpf", "1.50", "100"]]
     assert words(tables.perception([row(), blind], ORDER, tables.OBJECTS)) == [["town04", "clear", "vpf", "75"]]
     assert tables.perception([blind], ORDER, tables.OBJECTS) is None
+
+
+def test_of_drives_that_did_not_arrive_tables_show_perception_alone_in_brackets() -> None:
+    lost = row(successes=0)
+    assert words(tables.perception([lost], ORDER, tables.PERCEPTION)) == [["town04", "clear", "vpf", "(1.50)", "(100)"]]
+    assert accuracy.by_definition([lost], ORDER, "throttle") is None
+    assert accuracy.by_part([lost], ORDER) is None
 
 
 def test_the_needed_seeds_are_listed() -> None:

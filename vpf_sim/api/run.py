@@ -20,7 +20,7 @@ class Run:
     """The run in a folder, such as "runs/latest".
 
     >>> run = vpf_sim.Run("runs/latest")
-    >>> run.records.groupby("driver")["path_mse_m2"].mean()
+    >>> run.records.query("status == 'success'").groupby("driver")["path_mse_m2"].mean()
     >>> run.steps(run.records["id"][0]).plot(x="x_m", y="y_m")
 
     Keys of a table within a record are joined by dots: "comfort.comfortable". Raises InputError where the folder holds

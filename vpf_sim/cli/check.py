@@ -75,14 +75,13 @@ def _row(check: "Check") -> dict[str, object]:
 
 def _print(checks: list["Check"], failed: list["Check"]) -> None:
     """Print every check, the commands that repeat failures, and the counts."""
-    from vpf_sim.evaluation.gate.checks import listed, repeats
+    from vpf_sim.evaluation.gate.checks import listed, repeats, unlisted
 
     header = ("", "scenario", "weather", "driver", "expected", "actual")
     print_table(header, [(WORDS[one.outcome], *one.cell, one.expected, one.actual) for one in listed(checks)], words=6)
     if commands := repeats(failed):
         print("\nagain, the worst seeds first:", *commands, sep="\n  ")
     counts: Counter[str] = Counter(one.outcome for one in checks)
-    hidden = len(checks) - len(listed(checks))
-    if hidden:
-        print(f"\nnot listed: {hidden} that do not apply or follow from lost drives; --json has all")
+    if said := unlisted(checks):
+        print(f"\n{said}")
     print("\n" + ", ".join(f"{counts[outcome]} {outcome}" for outcome in WORDS))

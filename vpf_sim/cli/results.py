@@ -117,16 +117,14 @@ def _benchmark_place(row: Row) -> tuple[int, int, int, str]:
 
 def _benchmark_cells(row: Row) -> tuple[str, ...]:
     """Means over the successful episodes, each beside the paper's value; a dash without success."""
-    paper, scores = row.paper or {}, row.scores if row.successes else {}
-    accuracies = [
-        f"{percent(scores.get(metric.key))} / {percent(paper.get(metric.paper))}" for metric in (THROTTLE, STEERING)
-    ]
+    paper = row.paper or {}
+    accuracies = [f"{percent(row[metric])} / {percent(paper.get(metric.paper))}" for metric in (THROTTLE, STEERING)]
     return (
         row.scenario,
         row.weather,
         driver_name(row),
         f"{row.successes}/{row.episodes}",
-        f"{number(scores.get(PATH_MSE.key), PATH_MSE.digits)} / {number(paper.get(PATH_MSE.paper))}",
+        f"{number(row[PATH_MSE], PATH_MSE.digits)} / {number(paper.get(PATH_MSE.paper))}",
         *accuracies,
         number(row[LEAST_CLEARANCE]),
     )

@@ -21,7 +21,6 @@ class Cell:
     value: float | None
     text: str
     interval: str = ""  # formatted
-    grey: bool = False  # of unsuccessful episodes, where none succeeded
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,12 +74,9 @@ def ends_of(metric: Metric, row: Row) -> str:
 
 
 def cell(row: Row, metric: Metric) -> Cell:
-    """The cell with the mean of the successful episodes, or else of the others in grey."""
+    """The cell of a metric, with its interval."""
     value = row[metric]
-    if value is not None or row.successes or metric.over != "successes":
-        return Cell(value, text_of(metric, value), ends_of(metric, row))
-    value = row.unsuccessful.get(metric.key)
-    return Cell(value, text_of(metric, value), grey=value is not None)
+    return Cell(value, text_of(metric, value), ends_of(metric, row))
 
 
 def groups(rows: Sequence[Row], order: "Order") -> list[Group]:

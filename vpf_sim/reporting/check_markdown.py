@@ -4,23 +4,27 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from vpf_sim.evaluation.gate.checks import Check, repeats
+from vpf_sim.evaluation.gate.checks import Check, listed, repeats, unlisted
 from vpf_sim.files import write_text
 
 WORDS = {"passed": "✅ ok", "failed": "❌ fail", "skipped": "– skipped"}
 
 
 def write_markdown(checks: Sequence[Check], path: Path) -> None:
-    """Write the verdict, the failed checks with the commands that repeat them, and a table of all."""
-    failed = [one for one in checks if one.outcome == "failed"]
+    """Write the verdict, the failed checks with the commands that repeat them, and a table of the listed ones."""
+    shown = listed(checks)
+    failed = [one for one in shown if one.outcome == "failed"]
     counts: Counter[str] = Counter(one.outcome for one in checks)
-    verdict = f"❌ Gate: {len(failed)} of {len(checks)} checks failed" if failed else "✅ Gate: all checks passed"
+    verdict = f"❌ Gate: {len(failed)} of {len(shown)} checks failed" if failed else "✅ Gate: all checks passed"
     lines = [f"## {verdict}", "", ", ".join(f"{counts[outcome]} {outcome}" for outcome in WORDS) + "."]
     if failed:
         lines += ["", *_table(failed)]
-    if commands := repeats(failed):
+    if commands := repeats(one for one in checks if one.outcome == "failed"):
         lines += ["", "Drive the failures again, the worst seeds first:", "", "```sh", *commands, "```"]
-    lines += ["", "<details><summary>All checks</summary>", "", *_table(checks), "", "</details>"]
+    lines += ["", "<details><summary>All checks</summary>", "", *_table(shown)]
+    if said := unlisted(checks):
+        lines += ["", f"{said[0].upper()}{said[1:]}."]
+    lines += ["", "</details>"]
     write_text(path, "\n".join([*lines, ""]))
 
 

@@ -109,15 +109,12 @@ def _scale(metric: Metric) -> float:
 
 def _dot(row: Row, metric: Metric, order: Order) -> interval_chart.Dot | None:
     value = row[metric]
-    grey = value is None
-    if value is None:
-        value = row.unsuccessful.get(metric.key)
     if value is None:
         return None
-    scale, ends = _scale(metric), None if grey else row.interval(metric)
+    scale, ends = _scale(metric), row.interval(metric)
     scaled = ends and (scale * ends.low, scale * ends.high)
     style, weather = order.style(row.driver), order.weathers.index(row.weather)
-    return interval_chart.Dot(shown(row.scenario), row.driver, weather, style, scale * value, scaled, grey)
+    return interval_chart.Dot(shown(row.scenario), row.driver, weather, style, scale * value, scaled)
 
 
 def _marks(rows: Sequence[Row], order: Order, metric: Metric) -> list[interval_chart.Mark]:

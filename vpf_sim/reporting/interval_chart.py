@@ -13,7 +13,6 @@ ROW, HEAD, FOOT = 20.0, 20.0, 18.0  # px
 LETTER = 6.4  # px of a driver's name, for each letter
 MOST_LETTERS = 22  # of a name
 APART = 7.0  # between the weathers of a row
-FAR_OUT = 46.0  # px between the labels of values beyond the axis
 MARKS = ((False, False), (True, True), (False, True), (True, False))  # of each weather: (diamond, hollow)
 SIGNS = "●◇○◆"  # the same marks as text
 
@@ -28,7 +27,6 @@ class Dot:
     style: str
     value: float
     interval: tuple[float, float] | None
-    grey: bool = False  # of unsuccessful episodes
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,9 +68,8 @@ def _short(name: str) -> str:
 
 
 def _ends(dots: Sequence[Dot], marks: Sequence[Mark]) -> tuple[float, float]:
-    """Axis ends for the successful episodes' values; the others may lie beyond them."""
-    good = [dot for dot in dots if not dot.grey] or dots
-    values = [dot.value for dot in good] + [end for dot in good for end in dot.interval or ()]
+    """Axis ends for all values and intervals."""
+    values = [dot.value for dot in dots] + [end for dot in dots for end in dot.interval or ()]
     low, high = reach([0.0, *values, *(mark.value for mark in marks)], 0.1)
     return (0.0, high) if min(values) >= 0.0 else (low, high)
 
@@ -87,17 +84,12 @@ def _rules(plot: Plot, tall: float) -> None:
 def _row(plot: Plot, dots: Sequence[Dot], middle: float) -> None:
     for number, dot in enumerate(sorted(dots, key=lambda dot: dot.weather)):
         y = middle + APART * (number - 0.5 * (len(dots) - 1))
-        style = "grey" if dot.grey else dot.style
         if dot.interval is not None:
             low, high = np.clip(dot.interval, plot.x.low, plot.x.high)
-            plot.line(np.array([low, high]), np.array([y, y]), f"whisker {style}")
-        if dot.grey and dot.value > plot.x.high:
-            right = float(plot.place(plot.x.high, y)[0]) - FAR_OUT * (len(dots) - 1 - number)
-            plot.text(f"{dot.value:.3g} →", right, middle + 3.5, "tick", "end")
-            continue
+            plot.line(np.array([low, high]), np.array([y, y]), f"whisker {dot.style}")
         turned, hollow = MARKS[dot.weather % len(MARKS)]
         mark = plot.diamond if turned else plot.dot
-        mark(float(np.clip(dot.value, plot.x.low, plot.x.high)), y, f"mark{' hollow' if hollow else ''} {style}")
+        mark(float(np.clip(dot.value, plot.x.low, plot.x.high)), y, f"mark{' hollow' if hollow else ''} {dot.style}")
 
 
 def _mark(plot: Plot, mark: Mark, top: float, bottom: float) -> None:

@@ -21,8 +21,9 @@ HEAD = """# Results
 
 `vpf-sim results RUN... --out docs/results.md` writes this page from run folders. [reference.md](reference.md#scores)
 defines the scores. Success is a share of all planned episodes, and collisions are counted in all driven ones. The other
-scores are means over the successful episodes, or in (brackets) over the others where none succeeded. The second line of
-a cell is the 95 % interval. Path MSE includes the way around obstacles.
+scores are means over the successful episodes; the driving score is over all. The second line of a cell is the 95 %
+interval. Path MSE includes the way around obstacles. Perception in (brackets) is of episodes that did not arrive, where
+none did.
 """
 
 
@@ -56,7 +57,7 @@ def _cells(row: Row, plan: Plan) -> list[str]:
 def _scores(row: Row) -> Iterator[str]:
     for metric in SCORES:
         found = cell(row, metric)
-        yield _below(f"({found.text})" if found.grey else found.text, found.interval)
+        yield _below(found.text, found.interval)
 
 
 def _perceived(subjects: Sequence[RunData]) -> Iterator[str]:

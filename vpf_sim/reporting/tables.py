@@ -9,7 +9,7 @@ from vpf_sim.evaluation.analysis.statistics import Difference
 from vpf_sim.evaluation.analysis.summary import WIDTHS
 from vpf_sim.evaluation.metrics.metric import Metric
 from vpf_sim.evaluation.metrics.records import Record, Timing
-from vpf_sim.evaluation.metrics.registry import COMFORTABLE, PATH_MSE, SUCCESS, columns
+from vpf_sim.evaluation.metrics.registry import COMFORTABLE, FOE, PATH_MSE, SUCCESS, columns
 from vpf_sim.reporting.cells import NONE, Order, ends_of, formatted, interval_text, shown, text_of
 
 PERCEPTION, OBJECTS, COMPARED = (columns(table) for table in ("perception", "objects", "pairs"))
@@ -59,24 +59,24 @@ class Table:
 def perception(rows: Sequence[Row], order: Order, metrics: Sequence[Metric]) -> Table | None:
     """Perception metrics of drivers that expose their plan, one row per cell."""
     perceived = [row for row in order.sorted(rows) if _has_foe(row)]
-    scored = [row for row in perceived if any(row.scored.get(metric.key) is not None for metric in metrics)]
-    found = [metric for metric in metrics if any(row.scored.get(metric.key) is not None for row in scored)]
+    scored = [row for row in perceived if any(row[metric] is not None for metric in metrics)]
+    found = [metric for metric in metrics if any(row[metric] is not None for row in scored)]
     lines = tuple((*names(row), *(score(row, metric) for metric in found)) for row in scored)
     header = ("scenario", "weather", "driver", *(metric.heading for metric in found))
     return Table(header, lines, 3) if lines else None
 
 
 def _has_foe(row: Row) -> bool:
-    return row.scored.get("perception.foe_median_error_px.distance") is not None
+    return row[FOE] is not None
 
 
 def score(row: Row, metric: Metric) -> Value:
-    """The mean of the successful episodes with its interval, or else that of the others in brackets."""
-    value = row.scored.get(metric.key)
+    """The value of a metric with its interval, in brackets where it is of drives that did not arrive."""
+    value = row[metric]
     text = text_of(metric, value)
-    if value is None or row.successes:
-        return Value(text, ends_of(metric, row), value)
-    return Value(f"({text})", value=value)
+    if value is not None and row.is_of_lost(metric):
+        return Value(f"({text})", value=value)
+    return Value(text, ends_of(metric, row), value)
 
 
 def seeds_needed(rows: Sequence[Row], order: Order) -> Table | None:

@@ -9,7 +9,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation.analysis.statistics import Difference, Interval
 from vpf_sim.evaluation.metrics.metric import Metric
 from vpf_sim.evaluation.metrics.records import Schema, checked
-from vpf_sim.evaluation.scores import Json, Number, Scores, flat, nested, numbers
+from vpf_sim.evaluation.scores import Json, Number, flat, nested, numbers
 
 
 class Cell(NamedTuple):
@@ -43,14 +43,17 @@ class Row(Schema):
         """The number of planned episodes without a record."""
         return self.episodes - sum(self.statuses.values())
 
-    @property
-    def scored(self) -> Scores:
-        """The means of the successful episodes, or else of the others."""
-        return self.scores if self.successes else self.unsuccessful
+    def is_of_lost(self, metric: Metric) -> bool:
+        """Whether the value of a metric is that of episodes that did not arrive, since none did."""
+        return metric.rates_lost and not self.successes
 
     def __getitem__(self, metric: Metric) -> Number:
-        """The value of a metric; None where there is none."""
-        return self.scores.get(metric.row_key)
+        """The value of a metric; None where there is none, as of the path where no episode arrived.
+
+        A short drive looks better than it is, so path and commands of one that did not arrive are not shown.
+        """
+        found = self.unsuccessful if self.is_of_lost(metric) else self.scores
+        return found.get(metric.row_key)
 
     def interval(self, metric: Metric) -> Interval | None:
         """The 95 % interval of a value."""

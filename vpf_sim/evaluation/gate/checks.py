@@ -1,7 +1,7 @@
 """The check of a rule in a cell, and the cells that a rule matches."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Literal
@@ -32,6 +32,7 @@ class Check:
     seeds: tuple[int, ...] = ()
     drives: tuple[str, ...] = ()
     folder: str = ""
+    is_of_loss: bool = field(default=False, compare=False)  # fails since none succeeded, or one has no record
 
     @property
     def rerun(self) -> str | None:
@@ -48,21 +49,20 @@ class Check:
         return replace(self, seeds=self.seeds[:count], drives=self.drives[:count])
 
 
-NO_SUCCESS = "no successful episode"
-
-
 def listed(checks: Sequence[Check]) -> list[Check]:
-    """The checks to show a reader: lost drives first, without rules that do not apply and what follows from a loss.
+    """The checks to show a reader: lost drives first, without rules that do not apply.
 
-    Where a cell fails by its endings, that no episode succeeded says nothing more.
+    Where a cell fails by its endings, rules that fail for lost drives alone say nothing more.
     """
     lost = {one.cell for one in checks if one.outcome == "failed" and _is_of_endings(one)}
-    shown = [
-        one
-        for one in checks
-        if one.outcome != "skipped" and not (one.actual.startswith(NO_SUCCESS) and one.cell in lost)
-    ]
+    shown = [one for one in checks if one.outcome != "skipped" and not (one.is_of_loss and one.cell in lost)]
     return sorted(shown, key=lambda one: (one.outcome != "failed", not _is_of_endings(one)))
+
+
+def unlisted(checks: Sequence[Check]) -> str:
+    """How many checks are not listed, and why; empty where all are."""
+    count = len(checks) - len(listed(checks))
+    return f"not listed: {count} that do not apply or follow from lost drives; --json has all" if count else ""
 
 
 def _is_of_endings(check: Check) -> bool:

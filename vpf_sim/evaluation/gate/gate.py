@@ -15,7 +15,7 @@ from vpf_sim.evaluation.analysis.rows import Cell
 from vpf_sim.evaluation.analysis.statistics import mean_interval
 from vpf_sim.evaluation.gate import baseline, perception
 from vpf_sim.evaluation.gate.cells import FAULTS, Episodes, Run, values_of, worst_first
-from vpf_sim.evaluation.gate.checks import NO_SUCCESS, Check, matching, number
+from vpf_sim.evaluation.gate.checks import Check, matching, number
 from vpf_sim.evaluation.gate.rules import SCORES, Detail, Rule, Score
 
 
@@ -61,8 +61,9 @@ def _checked(check: Check, score: Score | Detail, episodes: Episodes) -> Check:
     counts = ((len(missing), "without a record"), (faults, "ended by a fault"))
     check = replace(check, actual=", ".join([check.actual, *(f"{count} {what}" for count, what in counts if count)]))
     if missing and score not in PERFECT:
-        seeds = check.seeds if check.outcome == "failed" else ()
-        check = replace(check, outcome="failed", seeds=tuple(dict.fromkeys([*missing, *seeds])))
+        kept = check.outcome == "passed"
+        seeds = dict.fromkeys([*missing, *(() if kept else check.seeds)])
+        check = replace(check, outcome="failed", seeds=tuple(seeds), is_of_loss=kept)
     return check if check.outcome == "failed" else replace(check, seeds=())
 
 
@@ -74,7 +75,7 @@ def _without_values(cell: Cell, expected: str, score: Score | Detail, episodes: 
         record is not None and record.shows_perception for record in episodes.values()
     ):
         return Check(cell, expected, "no perception shown", "skipped")
-    return Check(cell, expected, NO_SUCCESS, "failed", tuple(sorted(episodes)))
+    return Check(cell, expected, "no successful episode", "failed", tuple(sorted(episodes)), is_of_loss=True)
 
 
 def _no_worse(rule: Rule, run: Run, cells: Sequence[Cell], path: Path) -> list[Check]:

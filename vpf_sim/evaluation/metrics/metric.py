@@ -44,6 +44,11 @@ class Metric(Measure):
         return self.in_cell or self.key
 
     @property
+    def rates_lost(self) -> bool:
+        """Whether it is shown of drives that did not arrive: what they perceived, not how they drove."""
+        return self.drivers == "perceiving"
+
+    @property
     def percent(self) -> bool:
         return self.unit == "%"
 

@@ -183,6 +183,15 @@ CLEAR_PATH_MSE = Metric(
     better="less",
     rule="clear_path_mse_m2",
 )
+FOE = Metric(
+    "perception.foe_median_error_px.distance",
+    title="focus of expansion, median error",
+    unit="px",
+    better="less",
+    drivers="perceiving",
+    rule="foe_error_px",
+    tables=("perception", "two runs"),
+)
 BY_PART = (
     *(
         Metric(f"path_mse_parts_m2.{part}", title=f"path MSE, m², {part.replace('_', ' ')}", digits=3, better="less")
@@ -200,6 +209,7 @@ BY_PART = (
         for part in ("clear_of_obstacles", "passing")
     ),
 )
+PASSING = BY_PART[1]
 BY_DEFINITION = tuple(
     Metric(
         f"accuracy.{protocol}.{signal}.{definition}",
@@ -245,15 +255,7 @@ METRICS = (
         rule="steering_rate_radps",
         tables=("results",),
     ),
-    Metric(
-        "perception.foe_median_error_px.distance",
-        title="focus of expansion, median error",
-        unit="px",
-        better="less",
-        drivers="perceiving",
-        rule="foe_error_px",
-        tables=("perception", "two runs"),
-    ),
+    FOE,
     Metric(
         "perception.foe_share",
         title="frames with one",
