@@ -79,7 +79,8 @@ def plan_of(run: RunOptions, asked: bool, make: "Callable[[], Plan]") -> "Plan":
         return make()
     if not (run.out / MANIFEST).exists():
         raise InputError(f"{run.out}: --resume: expected the {MANIFEST} of a run, found none; name what to drive")
-    RunInputs.of(run.out, read_manifest(run.out).made_in).check_here("--resume")
+    stored = read_manifest(run.out)
+    RunInputs.of(run.out, stored.made_in).check_here("--resume", stored.names("driver"))
     return stored_plan(run.out)
 
 

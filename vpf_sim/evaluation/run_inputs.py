@@ -72,11 +72,18 @@ class RunInputs:
         elsewhere = self.made_in is not None and self.made_in != Path.cwd()
         return f"; the run was made in {self.made_in}" if elsewhere else ""
 
-    def check_here(self, what: str) -> None:
-        """InputError where a scenario or weather file, which `what` needs, is not found from the working folder."""
+    def check_here(self, what: str, driver_names: Iterable[str]) -> None:
+        """InputError where a file or driver of the run, which `what` needs, is not found from the working folder."""
+        from vpf_sim import drivers
+
         for name in (name for kind in ("scenarios", "weathers") for name in self._all().get(kind, ())):
             if not Path(name).exists():
                 raise InputError(f"{self.folder}: {what}: expected the file {name}, got none of that name{self.place}")
+        for name in driver_names:
+            try:
+                drivers.create(name)
+            except InputError as error:
+                raise InputError(f"{self.folder}: {what}: {error}{self.place}") from None
 
     @property
     def _file(self) -> Path:

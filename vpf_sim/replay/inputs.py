@@ -5,11 +5,13 @@ from hashlib import file_digest, sha256
 from pathlib import Path
 from typing import Any
 
+from vpf_sim.drivers import MODEL_PREFIX, VARIANT_PREFIX
 from vpf_sim.evaluation.sweeps.fingerprint import own_code
 from vpf_sim.replay import image_files
 from vpf_sim.replay.recording import SIGNALS, Recording
 
 Hashes = dict[str, dict[str, str]]
+HASHED = ("weathers", "drivers")  # by name
 
 
 def hashes(recordings: Mapping[str, Recording], driver: str, water: str | None) -> dict[str, dict[str, Any]]:
@@ -22,6 +24,31 @@ def hashes(recordings: Mapping[str, Recording], driver: str, water: str | None) 
         "weathers": {} if water is None else {water: _hash(repr(weather.load(water)).encode())},
         "drivers": {} if code is None else {driver: code},
     }
+
+
+def without_folders(manifest: Mapping[str, Any]) -> dict[str, Any]:
+    """A manifest in which files have no folders: the hashes of their content tell them apart, wherever they are.
+
+    The folders depend on the working folder from which a replay is started.
+    """
+    plan = dict(_table(manifest, "plan"))
+    plan |= {key: _last(name) for key in ("driver", "water") if isinstance(name := plan.get(key), str)}
+    tables = {key: {_last(name): value for name, value in _table(manifest, key).items()} for key in HASHED}
+    return {**manifest, **tables, "plan": {**plan, "drives": sorted(_table(plan, "drives"))}}
+
+
+def _table(table: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+    """A table within a table; an empty one where there is none."""
+    found = table.get(key)
+    return found if isinstance(found, Mapping) else {}
+
+
+def _last(name: str) -> str:
+    """The name of a driver or weather; of a file without its folder, after the prefix: "vpf@own.toml"."""
+    if not name.endswith((".toml", ".onnx")):
+        return name
+    prefix = next((one for one in (VARIANT_PREFIX, MODEL_PREFIX) if name.startswith(one)), "")
+    return prefix + Path(name.removeprefix(prefix)).name
 
 
 def of_recording(recording: Recording) -> Hashes:

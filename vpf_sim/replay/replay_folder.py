@@ -98,16 +98,19 @@ class ReplayFolder:
         try:
             stored = json.loads((self.path / MANIFEST).read_bytes())
         except ValueError:
-            raise InputError(f"{self.path / MANIFEST}: expected JSON, got something else") from None
+            stored = None
+        if not isinstance(stored, dict):
+            raise InputError(f"{self.path / MANIFEST}: expected a JSON object, got something else")
         same_code = stored.get("fingerprint") == requested["fingerprint"]
+        before, after = (inputs.without_folders(one) for one in (stored, requested))
         for key in ("command", "plan", "weathers", "drivers"):
-            if stored.get(key) != requested[key]:
-                what = change(stored.get(key), requested[key])
+            if before.get(key) != after.get(key):
+                what = change(before.get(key), after.get(key))
                 raise InputError(f"{self.path}: --resume: {key} changed: {what}; start a new run")
         for name, recording in requested["recordings"].items():
             kinds = ("read", "derived") if same_code else ("read",)  # other code may derive other values
-            before = stored.get("recordings", {}).get(name, {})
-            if what := inputs.changed(before, recording, kinds):
+            earlier = stored.get("recordings", {}).get(name, {})
+            if what := inputs.changed(earlier, recording, kinds):
                 raise InputError(f"{self.path}: --resume: the drive '{name}' changed: {what}; start a new run")
         if same_code:
             return False

@@ -83,6 +83,32 @@ def test_a_resumed_run_needs_its_files_and_says_where_they_were(
     assert f"--resume: expected the file {NAME}, got none of that name; the run was made in {driven}" in said
 
 
+@pytest.mark.parametrize(
+    ("name", "named"), [("vpf@mine.toml", "mine.toml"), ("student:Mine", "student:Mine"), ("onnx:net.onnx", "net.toml")]
+)
+def test_a_resumed_run_needs_its_drivers_and_says_where_they_were(
+    name: str, named: str, driven: Path, elsewhere: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (Path.cwd() / "wet.toml").write_bytes((driven / "wet.toml").read_bytes())
+    file = elsewhere / "manifest.json"
+    file.write_text(file.read_text("utf-8").replace('"neutral"', f'"{name}"'))
+    assert cli.run(["sweep", "--resume", "--out", str(elsewhere)]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert named in said
+    assert said.endswith(f"; the run was made in {driven}\n")
+
+
+def test_a_plan_whose_files_have_other_folders_says_where_the_run_was_made(
+    driven: Path, elsewhere: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    files = ["--scenario", str(driven / NAME), "--weather", str(driven / "wet.toml"), "--driver", "neutral"]
+    assert cli.run(["sweep", *files, "--seeds", "0:1", "--out", str(elsewhere), "--resume"]) == 2
+    said = capsys.readouterr().err
+    assert "--resume: plan changed: " in said
+    assert f"; the run was made in {driven}; start a new run" in said
+
+
 def test_a_class_that_is_not_found_here_says_where_the_run_was_made(
     driven: Path, elsewhere: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

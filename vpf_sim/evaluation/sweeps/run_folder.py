@@ -13,7 +13,7 @@ from filelock import FileLock, Timeout
 from vpf_sim import system
 from vpf_sim.errors import InputError, option
 from vpf_sim.evaluation.metrics.records import Record, Timing, checked, read_record
-from vpf_sim.evaluation.run_inputs import INPUTS, contents
+from vpf_sim.evaluation.run_inputs import INPUTS, RunInputs, contents
 from vpf_sim.evaluation.sweeps.fingerprint import digest
 from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
 from vpf_sim.evaluation.sweeps.manifest import HASHED, MANIFEST, Manifest, change, read_manifest
@@ -165,7 +165,8 @@ def _has_other_fingerprint(path: Path, asked: Manifest, mixed: bool) -> bool:
     for key in ("command", "plan", *HASHED):
         before, after = (getattr(one, key) for one in (stored, asked))
         if before != after:
-            raise InputError(f"{path}: {option('resume')}: {key} changed: {change(before, after)}; start a new run")
+            what = f"{change(before, after)}{RunInputs.of(path, stored.made_in).place}"
+            raise InputError(f"{path}: {option('resume')}: {key} changed: {what}; start a new run")
     if stored.fingerprint == asked.fingerprint:
         return False
     if not mixed:
