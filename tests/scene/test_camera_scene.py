@@ -56,7 +56,7 @@ def test_places_in_the_world_and_on_the_road_are_inverse() -> None:
 def test_s_counts_the_way_along_the_reference_line() -> None:
     scene, d_m = CameraScene(), 3.0
     for angle in np.arange(0.0, 1.0, 0.01):
-        scene.update(seen(edges_at(d_m, 0.0, 1.0 / RADIUS_M)), observed(*on_circle(angle, d_m), angle), 5.0)
+        scene.observe(seen(edges_at(d_m, 0.0, 1.0 / RADIUS_M)), observed(*on_circle(angle, d_m), angle))
     s, d = scene.place(observed(*on_circle(1.0, 2.0), 1.0))
     assert s == pytest.approx(RADIUS_M, abs=0.05)
     assert d == pytest.approx(2.0, abs=0.01)
@@ -81,7 +81,9 @@ def test_an_obstacle_keeps_its_place_in_the_world() -> None:
     obstacles = Obstacles(
         forward, aside - 0.9, aside + 0.9, some, some, np.array([3, -1]), speed_mps=np.array([0.0, 4.0])
     )
-    made = scene.update(seen(edges_at(d_m, turned, 0.0), obstacles), observed(0.0, d_m, turned), 5.0)
+    here = observed(0.0, d_m, turned)
+    scene.observe(seen(edges_at(d_m, turned, 0.0), obstacles), here)
+    made = scene.scene(here, 5.0)
     tracks = made.tracks
     np.testing.assert_allclose(tracks.s_m - 0.5 * tracks.length_m, [20.0, 12.0], atol=1e-6)
     np.testing.assert_allclose(tracks.d_m, [0.5, -3.0], atol=1e-6)

@@ -38,6 +38,7 @@ class Perceiver:
         self._state = FrameState()
         self._last: Perception | None = None  # of the last frame that was processed,
         self._last_s = 0.0  # and the time at which it was taken
+        self.has_processed = False  # a frame at the last step
 
     @property
     def needs_next_frame(self) -> bool:
@@ -55,6 +56,7 @@ class Perceiver:
         A frame that arrives late is processed at the pose at which it was taken.
         """
         taken = self._selection.select(observation)
+        self.has_processed = taken is not None
         if taken is not None:
             self._last = self._process(taken, taken.pose)
             self._last_s = taken.time_s

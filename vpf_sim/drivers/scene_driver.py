@@ -44,6 +44,8 @@ class SceneDriver(Driver):
     def act(self, observation: Observation) -> Command:
         observation = self._measured(observation)
         perception = self._perceiver.perceive(observation)
+        if self._perceiver.has_processed:
+            call("tracking", self._scene.observe, perception, observation)
         if self.motion is None or observation.time_s >= self.motion.time_s + REPLAN_S - EXACT_S:
             self.motion = call("plan", self._replan, perception, observation)
         return call("control", self._follow, self.motion, perception, observation)
@@ -58,7 +60,7 @@ class SceneDriver(Driver):
 
     def _replan(self, perception: Perception, observation: Observation) -> "Motion":
         speed_mps = self._speed_reference(perception, observation)
-        return self._planner.plan(self._scene.update(perception, observation, speed_mps))
+        return self._planner.plan(self._scene.scene(observation, speed_mps))
 
     def _speed_reference(self, perception: Perception, observation: Observation) -> float:
         """m/s, the reference speed, less where too little is seen."""

@@ -1,51 +1,64 @@
-"""The scene as a camera shows it: the perceived road and obstacles in road coordinates that last from frame to frame.
+"""The scene as a camera shows it: the perceived road, and tracks in road coordinates that last from frame to frame.
 
 The reference line is the middle of the lane in which the car started, so d = 0 is the route. s counts the metres
 that the car has come along it.
 """
 
-from math import cos, sin
+from math import cos, hypot, sin
 
 import numpy as np
 
 from vpf_sim.perception.object_sizes import ObjectSizes
+from vpf_sim.scene.measurements import of_obstacles
 from vpf_sim.scene.road import Road
 from vpf_sim.scene.scene import EgoState, Scene
+from vpf_sim.scene.tracker import SceneTracker, TrackTable
 from vpf_sim.scene.tracks import Tracks
-from vpf_sim.types import Floats, Observation, Obstacles, Perception, RoadEdges
+from vpf_sim.types import Floats, Observation, Perception, RoadEdges
 
 STEP_M = 0.5  # between the stations of the tables
 BEHIND_M, BENDS_M, AHEAD_M = 40.0, 40.0, 200.0  # of the tables; beyond BENDS_M the road goes straight on
 MOST_BEND = 0.8  # of 1 - d * curvature that the own place may take away
-CONFIRMED = 3.0  # log-odds of an obstacle that perception reports
-ACROSS_SIGMA_M = 0.06
-SPEED_SIGMA_MPS = (0.4, 0.1)  # along, across, of what moves
+LOOK_M, LOOK_S = 0.5, 0.5  # way or time after which an observation is independent of the last
+IN_SIGHT_PER_S, OUT_OF_SIGHT_PER_S = 4.0, 0.1  # log-odds that a track loses while it is not detected
+SIGHT_M, BEARING = (3.0, 20.0), 0.8  # where a track is expected to be detected; tangent of its bearing
+STANDING_MPS, STANDING_SIGMAS = 0.4, 2.0  # a track whose velocity is not surely more stands
+CROSSING = 1.0  # across over along, from which a track shows its side
 
 
 class CameraScene:
-    """Keeps the road coordinates of one episode."""
+    """Keeps road coordinates and tracks of one episode."""
 
     def __init__(self, sizes: ObjectSizes | None = None) -> None:
         self._sizes = sizes or ObjectSizes()
+        self._tracker = SceneTracker()
+        self._last: Observation | None = None  # of the last frame
         self._s_m = 0.0
         self.road: Road | None = None
 
-    def update(self, perception: Perception, observation: Observation, speed_reference_mps: float) -> Scene:
-        """The scene at an observation, by what is perceived then."""
+    def observe(self, perception: Perception, observation: Observation) -> None:
+        """Bring road and tracks to a processed frame."""
         s, _ = self.place(observation)
-        edges = perception.road
-        self.road = road = road_of(edges, observation.pose, s)
-        ego = EgoState(
-            observation.x_m,
-            observation.y_m,
-            observation.yaw_rad,
-            observation.speed_mps,
-            observation.yaw_rate_radps,
-            s,
-            -edges.lane_m,
-        )
-        tracks = tracks_of(perception.obstacles, observation.pose, road, s, self._sizes)
-        return Scene(observation.time_s, ego, road, tracks, speed_reference_mps)
+        before, self.road = self.road, road_of(perception.road, observation.pose, s)
+        dt_s = way_m = 0.0
+        if before is not None and self._last is not None:
+            dt_s = observation.time_s - self._last.time_s
+            way_m = hypot(observation.x_m - self._last.x_m, observation.y_m - self._last.y_m)
+            self._tracker.carry(before, self.road)
+            self._tracker.predict(dt_s)
+        self._last = observation
+        found = of_obstacles(perception.obstacles, observation.pose, self.road, s, self._sizes)
+        fresh = min(max(way_m / LOOK_M, dt_s / LOOK_S), 1.0)
+        self._tracker.update(found, fresh, self._miss(observation, dt_s), s)
+
+    def scene(self, observation: Observation, speed_reference_mps: float) -> Scene:
+        """The scene at an observation, on the road as last perceived."""
+        assert self.road is not None
+        s, d = self.place(observation)
+        motion = observation.speed_mps, observation.yaw_rate_radps
+        ego = EgoState(observation.x_m, observation.y_m, observation.yaw_rad, *motion, s, d)
+        table = self._tracker.table.chosen(self._tracker.reported)
+        return Scene(observation.time_s, ego, self.road, tracks_of(table, self.road), speed_reference_mps)
 
     def place(self, observation: Observation) -> tuple[float, float]:
         """s and d of the car, m, on the road as last perceived."""
@@ -55,35 +68,41 @@ class CameraScene:
         self._s_m = float(s[0])
         return self._s_m, float(d[0])
 
+    def _miss(self, observation: Observation, dt_s: float) -> Floats:
+        """(K,) log-odds that the tracks lose in `dt_s` if they are not detected."""
+        assert self.road is not None
+        state = self._tracker.table.state
+        x, y, _ = self.road.world(state[:, 0], state[:, 1])
+        dx, dy = x - observation.x_m, y - observation.y_m
+        cosine, sine = cos(observation.yaw_rad), sin(observation.yaw_rad)
+        forward, right = cosine * dx + sine * dy, cosine * dy - sine * dx
+        visible = (forward > SIGHT_M[0]) & (forward < SIGHT_M[1]) & (np.abs(right) < BEARING * forward)
+        return np.where(visible, IN_SIGHT_PER_S, OUT_OF_SIGHT_PER_S) * dt_s
+
 
 def road_of(edges: RoadEdges, pose: Floats, s_m: float) -> Road:
     """The road about a car at a pose (x m, y m, yaw rad), which is `s_m` along it: an arc, then straight."""
     station = np.arange(s_m - BEHIND_M, s_m + AHEAD_M, STEP_M)
-    lane = edges.lane_m
-    stretch = max(1.0 - edges.curvature_per_m * lane, 1.0 - MOST_BEND)
-    bend = edges.curvature_per_m / stretch
     along = station - s_m
-    curvature = np.where(along < BENDS_M, bend, 0.0)
-    course = float(pose[2]) + edges.heading_rad
-    turned = bend * np.minimum(along, BENDS_M)
-    heading = course + turned
-    chord = np.minimum(along, BENDS_M)
-    length = chord * np.sinc(0.5 * turned / np.pi)
-    beyond = along - chord
-    x, y = pose[0] - lane * sin(course), pose[1] + lane * cos(course)
-    left, right = np.full_like(station, edges.left_m - lane), np.full_like(station, edges.right_m - lane)
-    lanes = _lane_middles(left[0], right[0], edges.lane_width_m)
+    bend = edges.curvature_per_m / max(1.0 - edges.curvature_per_m * edges.lane_m, 1.0 - MOST_BEND)
+    course, arc = float(pose[2]) + edges.heading_rad, np.minimum(along, BENDS_M)
+    turned = bend * arc
+    heading, beyond = course + turned, along - arc
+    chord = arc * np.sinc(0.5 * turned / np.pi)
+    x, y = pose[0] - edges.lane_m * sin(course), pose[1] + edges.lane_m * cos(course)
+    left, right, same = edges.left_m - edges.lane_m, edges.right_m - edges.lane_m, np.ones_like(station)
+    lanes = _lane_middles(left, right, edges.lane_width_m)
     return Road(
         station,
-        x + length * np.cos(course + 0.5 * turned) + beyond * np.cos(heading),
-        y + length * np.sin(course + 0.5 * turned) + beyond * np.sin(heading),
+        x + chord * np.cos(course + 0.5 * turned) + beyond * np.cos(heading),
+        y + chord * np.sin(course + 0.5 * turned) + beyond * np.sin(heading),
         heading,
-        curvature,
-        left - edges.oncoming_m,
-        right,
-        left,
-        np.full_like(station, edges.sigma_m),
-        np.repeat(lanes[:, None], len(station), axis=1),
+        np.where(along < BENDS_M, bend, 0.0),
+        (left - edges.oncoming_m) * same,
+        right * same,
+        left * same,
+        edges.sigma_m * same,
+        lanes[:, None] * same,
         lane_width_m=edges.lane_width_m,
         route_m=0.0,
     )
@@ -95,31 +114,38 @@ def _lane_middles(left_m: float, right_m: float, width_m: float) -> Floats:
     return left_m + (right_m - left_m) * (np.arange(count) + 0.5) / count
 
 
-def tracks_of(obstacles: Obstacles, pose: Floats, road: Road, s_m: float, sizes: ObjectSizes) -> Tracks:
-    """Obstacles in vehicle axes as tracks that stand or move along the road; their lengths are those of their class."""
-    count, width = len(obstacles), obstacles.width_m
-    cosine, sine = cos(pose[2]), sin(pose[2])
-    x = pose[0] + cosine * obstacles.forward_m - sine * obstacles.middle_m
-    y = pose[1] + sine * obstacles.forward_m + cosine * obstacles.middle_m
-    s, d = road.place_at(x, y, s_m + obstacles.forward_m)
-    length = sizes.lengths_m(width)
-    heading = road.at(s).heading_rad
-    moving = obstacles.speed_mps != 0.0
-    covariance = np.zeros((count, 4, 4))
-    covariance[:, 0, 0], covariance[:, 1, 1] = np.minimum(obstacles.sigma_m, 1.0) ** 2, ACROSS_SIGMA_M**2
-    for axis, sigma in enumerate(SPEED_SIGMA_MPS):
-        covariance[:, axis + 2, axis + 2] = np.where(moving, sigma**2, 0.0)
+def tracks_of(table: TrackTable, road: Road) -> Tracks:
+    """Faces in road coordinates as rectangles in the world; what crosses shows its side."""
+    s, d, along, across = table.state.T
+    sigma = np.sqrt(np.diagonal(table.covariance, axis1=1, axis2=2))
+    speed = np.hypot(along, across)
+    moving = (speed > STANDING_MPS) & (speed > STANDING_SIGMAS * np.hypot(sigma[:, 2], sigma[:, 3]))
+    crosses = moving & (np.abs(across) > CROSSING * np.abs(along))
+    depth = np.where(crosses, np.minimum(table.length_m, table.width_m), table.length_m)
+    x, y, direction = road.world(s + 0.5 * depth, d)
+    turn = np.where(moving, np.arctan2(across, along), 0.0)
     return Tracks(
-        x + 0.5 * length * np.cos(heading),
-        y + 0.5 * length * np.sin(heading),
-        heading,
-        obstacles.speed_mps,
-        np.zeros(count),
-        length,
-        width,
-        s + 0.5 * length,
+        x,
+        y,
+        direction + turn,
+        np.where(moving, speed, 0.0),
+        np.zeros(len(s)),
+        np.where(crosses, table.width_m, table.length_m),
+        np.where(crosses, depth, table.width_m),
+        s + 0.5 * depth,
         d,
-        np.full(count, CONFIRMED),
-        covariance,
-        obstacles.identity,
+        table.gain,
+        _in_track_axes(table.covariance, turn, moving),
+        table.identity,
     )
+
+
+def _in_track_axes(covariance: Floats, turn_rad: Floats, moving: Floats) -> Floats:
+    """(K, 4, 4) covariances (K, 4, 4) in axes turned by (K,); what stands has no velocity."""
+    cosine, sine = np.cos(turn_rad), np.sin(turn_rad)
+    turned = np.zeros_like(covariance)
+    for first in (0, 2):
+        turned[:, first, first] = turned[:, first + 1, first + 1] = cosine
+        turned[:, first, first + 1], turned[:, first + 1, first] = sine, -sine
+    turned[:, 2:] *= moving[:, None, None]
+    return turned @ covariance @ turned.transpose(0, 2, 1)

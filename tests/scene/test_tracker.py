@@ -1,0 +1,149 @@
+"""The tracker on generated detections: each track is made with noise about a known motion."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from made_scene import road
+
+from vpf_sim.scene.tracker import Detections, SceneTracker, no_detections
+
+RATE_HZ = 20.0
+SIGMAS = np.array([0.3, 0.15, 0.5, 0.5])  # s, d, along, across
+GAIN = 1.5
+
+
+@dataclass(frozen=True)
+class Motion:
+    """An actor with constant acceleration, which does not turn back."""
+
+    s_m: float
+    d_m: float = 0.0
+    along_mps: float = 0.0
+    across_mps: float = 0.0
+    brakes_mps2: float = 0.0
+
+    def at(self, time_s: float) -> np.ndarray:
+        braked = min(time_s, self.along_mps / self.brakes_mps2) if self.brakes_mps2 else time_s
+        along = self.along_mps - self.brakes_mps2 * braked
+        s = self.s_m + self.along_mps * braked - 0.5 * self.brakes_mps2 * braked**2
+        return np.array([s, self.d_m + self.across_mps * time_s, along, self.across_mps])
+
+
+def detected(states: list[np.ndarray], random: np.random.Generator) -> Detections:
+    """The states with the noise that the covariance says."""
+    if not states:
+        return no_detections()
+    count = len(states)
+    noisy = np.array(states) + SIGMAS * random.standard_normal((count, 4))
+    same = np.ones(count)
+    return Detections(noisy, np.tile(np.diag(SIGMAS**2), (count, 1, 1)), 4.5 * same, 1.8 * same, GAIN * same)
+
+
+def track(
+    *motions: Motion, seconds: float = 3.0, seen_until_s: float = np.inf, share: float = 1.0, seed: int = 3
+) -> SceneTracker:
+    """After some seconds in which a `share` of the actors' detections came, up to a time."""
+    random, tracker = np.random.Generator(np.random.PCG64(seed)), SceneTracker()
+    for index in range(round(seconds * RATE_HZ)):
+        time_s = index / RATE_HZ
+        tracker.predict(1.0 / RATE_HZ)
+        visible = [one.at(time_s) for one in motions if time_s < seen_until_s and random.random() < share]
+        tracker.update(detected(visible, random), 0.2, np.full(len(tracker.table), 0.05), 0.0)
+    return tracker
+
+
+MOTIONS = {
+    "crossing": Motion(20.0, 4.0, across_mps=-1.5),
+    "oncoming": Motion(60.0, -3.5, along_mps=-8.0),
+    "standing": Motion(18.0, 1.0),
+    "slowing down": Motion(10.0, along_mps=5.0, brakes_mps2=3.0),
+    "passing": Motion(-10.0, -3.5, along_mps=9.0),
+}
+
+
+@pytest.mark.parametrize("motion", MOTIONS.values(), ids=MOTIONS)
+def test_an_actor_is_one_track_with_its_motion(motion: Motion) -> None:
+    tracker = track(motion)
+    (row,) = tracker.reported
+    error = tracker.table.state[row] - motion.at(3.0 - 1.0 / RATE_HZ)
+    sigma = np.sqrt(np.diag(tracker.table.covariance[row]))
+    assert (sigma < SIGMAS).all(), "many detections tell more than one"
+    assert (np.abs(error) < 4.0 * sigma).all()
+
+
+def test_all_of_them_at_once_keep_their_identities() -> None:
+    tracker = track(*MOTIONS.values(), seconds=1.0)
+    truth = np.array([one.at(1.0 - 1.0 / RATE_HZ) for one in MOTIONS.values()])
+    state = tracker.table.state[np.argsort(tracker.table.identity)]
+    assert sorted(tracker.table.identity) == [0, 1, 2, 3, 4]
+    np.testing.assert_allclose(state[:, :2], truth[:, :2], atol=1.0)
+
+
+def test_two_that_meet_keep_their_courses() -> None:
+    """One drives past another that stands 2 m beside its way."""
+    tracker = track(Motion(0.0, 0.0, along_mps=6.0), Motion(9.0, 2.0))
+    state = tracker.table.state[np.argsort(tracker.table.identity)[:2]]
+    state = state[np.argsort(state[:, 0])]
+    np.testing.assert_allclose(state[:, 1], [2.0, 0.0], atol=0.3)
+    np.testing.assert_allclose(state[:, 2], [0.0, 6.0], atol=0.6)
+
+
+def test_the_reported_spread_is_that_of_the_errors() -> None:
+    """The mean squared Mahalanobis distance of the four states is four."""
+    squares = []
+    for seed in range(60):
+        tracker = track(MOTIONS["oncoming"], seconds=1.5, seed=seed)
+        (row,) = tracker.reported
+        error = tracker.table.state[row] - MOTIONS["oncoming"].at(1.5 - 1.0 / RATE_HZ)
+        squares.append(error @ np.linalg.solve(tracker.table.covariance[row], error))
+    assert 1.0 < np.mean(squares) < 5.0, "process noise allows for more than a constant speed"
+
+
+def test_who_leaves_the_picture_is_expected_where_it_drove_on() -> None:
+    motion = Motion(5.0, -3.5, along_mps=4.0)
+    tracker = track(motion, seen_until_s=2.0, seconds=4.0)
+    (row,) = tracker.reported
+    error = np.abs(tracker.table.state[row] - motion.at(4.0 - 1.0 / RATE_HZ))
+    assert error[0] < 4.0 * np.sqrt(tracker.table.covariance[row, 0, 0])
+    assert np.sqrt(tracker.table.covariance[row, 0, 0]) > 1.5
+
+
+def test_existence_falls_without_detections_until_the_track_is_pruned() -> None:
+    tracker = track(Motion(12.0), seconds=1.0)
+    before = float(tracker.table.gain[0])
+    for _ in range(5):
+        tracker.update(no_detections(), 0.2, np.full(len(tracker.table), 1.0), 0.0)
+    assert float(tracker.table.gain[0]) == pytest.approx(before - 5.0)
+    for _ in range(20):
+        tracker.update(no_detections(), 0.2, np.full(len(tracker.table), 1.0), 0.0)
+    assert not len(tracker.table)
+
+
+def test_evidence_against_a_track_outweighs_its_detections() -> None:
+    tracker = track(Motion(12.0), seconds=1.0)
+    random = np.random.Generator(np.random.PCG64(1))
+    for _ in range(40):
+        tracker.update(detected([Motion(12.0).at(0.0)], random), 0.1, np.full(len(tracker.table), 1.0), 0.0)
+        tracker.weaken(np.full(len(tracker.table), 0.5))
+    assert not len(tracker.reported)
+
+
+def test_repeated_observations_count_by_the_way_that_makes_them_new() -> None:
+    """A car that stands looks at the same picture again and again."""
+    random, tracker = np.random.Generator(np.random.PCG64(1)), SceneTracker()
+    still = [Motion(12.0).at(0.0)]
+    tracker.update(detected(still, random), 1.0, np.empty(0), 0.0)
+    first = float(tracker.table.gain[0])
+    for _ in range(10):
+        tracker.update(detected(still, random), 0.0, np.zeros(1), 0.0)
+    assert float(tracker.table.gain[0]) == first
+
+
+def test_places_stay_in_the_world_when_the_road_is_estimated_anew() -> None:
+    tracker = track(Motion(20.0, 2.0), seconds=0.5)
+    straight, bend = road(), road(1.0 / 80.0)
+    before = straight.world(*tracker.table.state[:, :2].T)
+    tracker.carry(straight, bend)
+    after = bend.world(*tracker.table.state[:, :2].T)
+    np.testing.assert_allclose(after[:2], before[:2], atol=2e-3)

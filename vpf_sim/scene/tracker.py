@@ -1,0 +1,182 @@
+"""One tracker for all that is on the road: predict, associate, update, spawn, prune.
+
+A track is a Kalman filter of the place and velocity of a face in road coordinates, with white noise of acceleration,
+and the log-odds of its existence (Bar-Shalom, Willett, Tian, Tracking and Data Fusion, 2011, ch. 3 and 7). Detections
+carry their own covariance, velocity included: how it was found decides how well its motion is known. Assignment is
+global and gated. What is expected to be visible and is not detected exists less; what cannot be seen now does not.
+"""
+
+from dataclasses import dataclass, fields
+from typing import Self
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+from scipy.stats import chi2
+
+from vpf_sim.scene.road import Road
+from vpf_sim.types import Bools, Floats, Integers
+
+ACCELERATION_MPS2 = np.array([2.0, 1.0])  # standard deviation of white noise, along and across
+GATE = float(chi2.ppf(0.999, 2))  # of the squared Mahalanobis distance in place
+VELOCITY_SLACK_MPS = 1.5  # added to the velocities' standard deviations: a track may begin to move or stop
+SPAWN, REPORT, PRUNE = -1.0, 0.0, -3.0  # log-odds
+MOST = 6.0  # and at most
+UNSEEN_S = 8.0  # tracks that nobody has seen for so long are pruned
+BEHIND_M, AHEAD_M = 40.0, 120.0  # and those that are farther away
+VAGUE_M = 5.0  # or whose place is known no better
+
+
+@dataclass(slots=True)
+class Faces:
+    """N faces of one frame in road coordinates: place of the middle, velocity, width across the road, depth beyond."""
+
+    state: Floats  # (N, 4) s m, d m, along m/s, across m/s
+    covariance: Floats  # (N, 4, 4)
+    length_m: Floats  # (N,)
+    width_m: Floats  # (N,)
+    gain: Floats  # (N,) log-odds of existence: those that a detection adds, those of a track
+
+    def __len__(self) -> int:
+        return len(self.state)
+
+    def chosen(self, rows: Integers | Bools) -> Self:
+        """Some of them."""
+        return type(self)(*(getattr(self, field.name)[rows] for field in fields(self)))
+
+    def joined(self, others: Self) -> Self:
+        """These and others."""
+        pairs = ((getattr(self, field.name), getattr(others, field.name)) for field in fields(self))
+        return type(self)(*(np.concatenate(pair) for pair in pairs))
+
+
+Detections = Faces
+
+
+def no_detections() -> Detections:
+    """None at all."""
+    return Detections(np.empty((0, 4)), np.empty((0, 4, 4)), np.empty(0), np.empty(0), np.empty(0))
+
+
+@dataclass(slots=True)
+class TrackTable(Faces):
+    """K tracks."""
+
+    identity: Integers  # (K,)
+    unseen_s: Floats  # (K,) since the last detection
+
+
+class SceneTracker:
+    """Tracks of one episode."""
+
+    def __init__(self) -> None:
+        none = np.empty(0)
+        self.table = TrackTable(np.empty((0, 4)), np.empty((0, 4, 4)), none, none, none, np.empty(0, np.int64), none)
+        self._next = 0
+
+    def predict(self, dt_s: float) -> None:
+        """Constant velocity for `dt_s`."""
+        step = np.eye(4)
+        step[0, 2] = step[1, 3] = dt_s
+        table = self.table
+        table.state = table.state @ step.T
+        table.covariance = step @ table.covariance @ step.T + process_noise(dt_s)
+        table.unseen_s = table.unseen_s + dt_s
+
+    def carry(self, before: Road, after: Road) -> None:
+        """Keep the places in the world while the estimate of the road changes."""
+        state = self.table.state
+        if len(state):
+            x, y, _ = before.world(state[:, 0], state[:, 1])
+            state[:, 0], state[:, 1] = after.place_at(x, y, state[:, 0])
+
+    def update(self, found: Detections, fresh: float, miss: Floats, ego_s_m: float) -> None:
+        """Correct tracks by their detections and begin new ones.
+
+        A detection adds its gain times `fresh`, the share by which it is independent of the last. `miss` (K,) is what
+        each track's log-odds lose if it is not detected.
+        """
+        track, detection = self._associate(found)
+        table = self.table
+        undetected = np.ones(len(table), np.bool_)
+        undetected[track] = False
+        table.gain[undetected] -= miss[undetected]
+        if len(track):
+            self._correct(track, found.chosen(detection), fresh)
+        new = np.ones(len(found), np.bool_)
+        new[detection] = False
+        if new.any():
+            self._spawn(found.chosen(new))
+        self._prune(ego_s_m)
+
+    def weaken(self, loss: Floats) -> None:
+        """Lower the log-odds of the tracks (K,) by evidence against them."""
+        self.table.gain = self.table.gain - loss
+
+    @property
+    def reported(self) -> Integers:
+        """Rows of the tracks that are likelier than not."""
+        return np.flatnonzero(self.table.gain > REPORT)
+
+    def _associate(self, found: Detections) -> tuple[Integers, Integers]:
+        """Rows of tracks and of detections that belong together: least sum of distances within the gate."""
+        table = self.table
+        if not len(table) or not len(found):
+            return np.empty(0, np.intp), np.empty(0, np.intp)
+        apart = table.state[:, None] - found.state
+        variance = table.covariance[:, None] + found.covariance
+        place = _mahalanobis(apart[..., :2], variance[..., :2, :2])
+        spread = np.sqrt(np.diagonal(variance, axis1=-2, axis2=-1)[..., 2:]) + VELOCITY_SLACK_MPS
+        velocity = ((apart[..., 2:] / spread) ** 2).sum(axis=-1)
+        possible = (place < GATE) & (velocity < GATE)
+        cost = np.where(possible, place + velocity, 10.0 * GATE)
+        track, detection = linear_sum_assignment(cost)
+        kept = possible[track, detection]
+        return track[kept], detection[kept]
+
+    def _correct(self, rows: Integers, found: Detections, fresh: float) -> None:
+        """Kalman update of some tracks by a detection each."""
+        table = self.table
+        before = table.covariance[rows]
+        gain = np.linalg.solve(before + found.covariance, before).transpose(0, 2, 1)
+        change = np.einsum("nij,nj->ni", gain, found.state - table.state[rows])
+        table.state[rows] += change
+        table.covariance[rows] = (np.eye(4) - gain) @ before
+        table.length_m[rows], table.width_m[rows] = found.length_m, found.width_m
+        table.gain[rows] = np.minimum(table.gain[rows] + fresh * found.gain, MOST)
+        table.unseen_s[rows] = 0.0
+
+    def _spawn(self, found: Detections) -> None:
+        count, table = len(found), self.table
+        identity = np.arange(self._next, self._next + count)
+        self._next += count
+        new = TrackTable(
+            found.state, found.covariance, found.length_m, found.width_m, SPAWN + found.gain, identity, np.zeros(count)
+        )
+        self.table = table.joined(new)
+
+    def _prune(self, ego_s_m: float) -> None:
+        table = self.table
+        ahead = table.state[:, 0] - ego_s_m
+        kept = (table.gain > PRUNE) & (table.unseen_s < UNSEEN_S) & (ahead > -BEHIND_M) & (ahead < AHEAD_M)
+        kept &= np.sqrt(table.covariance[:, 1, 1]) < VAGUE_M
+        if not kept.all():
+            self.table = table.chosen(kept)
+
+
+def process_noise(dt_s: float) -> Floats:
+    """(4, 4) covariance that white noise of acceleration adds in `dt_s`."""
+    noise = np.zeros((4, 4))
+    power = ACCELERATION_MPS2**2
+    for axis in (0, 1):
+        noise[axis, axis] = power[axis] * dt_s**3 / 3.0
+        noise[axis, axis + 2] = noise[axis + 2, axis] = power[axis] * dt_s**2 / 2.0
+        noise[axis + 2, axis + 2] = power[axis] * dt_s
+    return noise
+
+
+def _mahalanobis(apart: Floats, variance: Floats) -> Floats:
+    """(K, N) squared distances of vectors (K, N, 2) with covariances (K, N, 2, 2)."""
+    a, b, d = variance[..., 0, 0], variance[..., 0, 1], variance[..., 1, 1]
+    x, y = apart[..., 0], apart[..., 1]
+    distance: Floats = (d * x**2 - 2.0 * b * x * y + a * y**2) / np.maximum(a * d - b**2, 1e-9)
+    return distance
