@@ -13,7 +13,7 @@ import numpy as np
 from vpf_sim.envs.camera import weather
 from vpf_sim.gallery import page as gallery
 from vpf_sim.gallery.poses import POSES
-from vpf_sim.reporting.pictures import jpeg, sheet
+from vpf_sim.reporting.kit.clip import jpeg, sheet
 from vpf_sim.types import Image
 
 POSE = "car-ahead"

@@ -10,9 +10,10 @@ from vpf_sim import scenarios
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.rectangles import solid_objects
 from vpf_sim.evaluation.steps import Step, StepTable
-from vpf_sim.reporting import commands, interval_chart, paths
-from vpf_sim.reporting.chart import Axis, Plot, plain, reach, thinned, ticks
-from vpf_sim.reporting.interval_chart import Dot, Mark
+from vpf_sim.reporting import commands, paths
+from vpf_sim.reporting.kit import interval_chart
+from vpf_sim.reporting.kit.chart import Axis, Plot, plain, reach, thinned, ticks
+from vpf_sim.reporting.kit.interval_chart import Dot, Mark
 from vpf_sim.reporting.paths import Track
 from vpf_sim.reporting.road_layout import RoadLayout, layouts
 from vpf_sim.types import Floats

@@ -1,20 +1,12 @@
 """The page beside the paper's table."""
 
 from vpf_sim.evaluation.analysis import reproduction
-from vpf_sim.reporting.templates import render
+from vpf_sim.reporting import paper_page
 
 
 def test_conditions_without_a_finished_drive_have_dashes() -> None:
     rows = reproduction.cells([])
-    html = render(
-        "paper.html.jinja",
-        driver="vpf-literal",
-        cells=rows,
-        definitions=[],
-        claims=[],
-        pictures={"paths": "", "flow": "", "forces": ""},
-        signals=reproduction.SIGNALS,
-    )
+    html = paper_page.page(paper_page.Answer("vpf-literal", rows, [], []), {})
     assert len(rows) == 4
-    assert html.count("<td>0 of 0</td>") == 4
-    assert html.count("<td>-</td>") == 4 * 5
+    assert html.count('<td class="number">0 of 0</td>') == 4
+    assert html.count("–</td>") == 4 * 5

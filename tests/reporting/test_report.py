@@ -314,8 +314,8 @@ def test_intervals_are_read_from_the_summary() -> None:
     intervals = {"success_rate": [0.478, 1.0], "path_mse_m2": [-0.01, 0.5], "accuracy": None}
     (shown,) = cells.groups([row("vpf", "town04", 5, 0.2, intervals=intervals)], ORDER)[0].rows
     assert shown.interval == "48 to 100"
-    assert shown.cells[0].interval == "−0.010 to 0.500"
-    assert shown.cells[1].interval == ""
+    assert shown.cells[0].beside == "−0.010 to 0.500"
+    assert shown.cells[1].beside == ""
 
 
 def test_each_kind_of_failure_has_a_clip_before_any_has_two() -> None:

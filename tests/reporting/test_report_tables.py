@@ -35,7 +35,7 @@ def row(driver: str = "vpf", weather: str = "clear", successes: int = 2, **more:
 def words(table: tables.Table | None) -> list[list[str]]:
     assert table is not None
     assert all(len(line) == len(table.header) for line in table.rows)
-    return [[value.text for value in line] for line in table.rows]
+    return [[cell if isinstance(cell, str) else cell.text for cell in line] for line in table.rows]
 
 
 def test_accuracy_is_shown_by_definition_and_protocol() -> None:

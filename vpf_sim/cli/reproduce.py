@@ -1,13 +1,15 @@
 """`vpf-sim reproduce`: the paper's simulator experiment with its own control law, compared with the printed results."""
 
-from typing import Any
+from dataclasses import asdict
+from typing import TYPE_CHECKING
 
 import typer
 
 from vpf_sim.cli.options import DriverOption, print_json
 from vpf_sim.cli.run_options import RunOptions, with_run_options
 
-VERDICTS = {True: "holds", False: "does not hold", None: "undecided"}
+if TYPE_CHECKING:
+    from vpf_sim.reporting.paper_page import Answer
 
 
 @with_run_options
@@ -31,7 +33,7 @@ def reproduce(run: RunOptions, driver: DriverOption = "vpf-paper") -> None:
     with prints_on_stderr():
         page = paper_page.write(path, drives, found)
     if run.json:
-        print_json({"out": str(path), "seeds": plan.seeds, **found})
+        print_json({"out": str(path), "seeds": plan.seeds, **asdict(found)})
     else:
         print(f"{tested} on the paper's road, seeds {plan.seeds}:\n")
         _print(found)
@@ -39,21 +41,19 @@ def reproduce(run: RunOptions, driver: DriverOption = "vpf-paper") -> None:
     raise typer.Exit(exit_code(stored_summary(path)))
 
 
-def _print(found: dict[str, Any]) -> None:
+def _print(found: "Answer") -> None:
     """The table, then the claims."""
     from vpf_sim.cli.tables import number, print_table
 
     lines = [
         (
-            f"{row['weather']}, {row['scenario']}",
-            f"{row['successes']} of {row['episodes']}",
-            number(row["paper"]["path_mse_m2"]),
-            number(row["path_mse_m2"].get("lane centre")),
-            number(row["clearance_m"]),
+            f"{row.weather}, {row.scenario}",
+            f"{row.successes} of {row.episodes}",
+            *map(number, (row.paper["path_mse_m2"], row.lane_mse_m2, row.clearance_m)),
         )
-        for row in found["cells"]
+        for row in found.cells
     ]
     print_table(("condition", "reached", "paper's MSE m2", "MSE m2", "clearance m"), lines)
     print("\nThe paper's claims:\n")
-    for row in found["claims"]:
-        print(f"  {VERDICTS[row['holds']]}: {row['claim']}\n      {row['measured']}")
+    for one in found.claims:
+        print(f"  {one.verdict}: {one.claim}\n      {one.measured}")

@@ -12,8 +12,8 @@ from vpf_sim.evaluation.processes import pool
 from vpf_sim.files import file_name, write_bytes, write_text
 from vpf_sim.gallery.poses import POSES, SEED, Pose, video_drive
 from vpf_sim.gallery.weather_meaning import aliases, factors, in_words
-from vpf_sim.reporting.pictures import jpeg
-from vpf_sim.reporting.templates import render
+from vpf_sim.reporting.kit.clip import jpeg
+from vpf_sim.reporting.kit.page import render
 from vpf_sim.reporting.video import Writer, require
 from vpf_sim.types import Image
 

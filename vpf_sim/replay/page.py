@@ -13,15 +13,12 @@ from vpf_sim.replay.frame_table import table_path, video_path
 from vpf_sim.replay.plots import OURS, THEIRS, plots
 from vpf_sim.replay.readers import general
 from vpf_sim.replay.tables import tables
-from vpf_sim.reporting import video as videos
 from vpf_sim.reporting.answer import listed
-from vpf_sim.reporting.cells import formatted
-from vpf_sim.reporting.pictures import data_uri, jpeg
-from vpf_sim.reporting.templates import render
+from vpf_sim.reporting.kit.clip import Clip
+from vpf_sim.reporting.kit.page import render
+from vpf_sim.reporting.kit.table import formatted
 
 NAME = "report.html"
-MOST_INSIDE_BYTES = 4_000_000  # of an embedded video; larger ones are linked
-POSTER_QUALITY = 70  # of JPEG
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,9 +27,7 @@ class Drive:
 
     name: str
     answer: str
-    video: str  # a data URI, a path beside the page, or empty
-    poster: str  # a data URI of a frame, or empty
-    beside: bool
+    clip: Clip | None
     plots: list[tuple[str, Markup]]
 
 
@@ -55,19 +50,7 @@ def write(folder: Path, records: list[dict[str, Any]], timing: dict[str, Any], s
 def _drive(folder: Path, record: dict[str, Any]) -> Drive:
     name, kinds = record["name"], {signal: origin["kind"] for signal, origin in record["origins"].items()}
     drawn = plots(frame_table.read(table_path(folder, name)), kinds)
-    source, poster, beside = _video(folder, video_path(folder, name))
-    return Drive(name, drive_of(record), source, poster, beside, drawn)
-
-
-def _video(folder: Path, file: Path) -> tuple[str, str, bool]:
-    """Address and poster of a video, and whether it lies beside the page; empty without one."""
-    if not file.exists():
-        return "", "", False
-    frame = videos.middle_frame(file)
-    poster = "" if frame is None else data_uri("image/jpeg", jpeg(frame, POSTER_QUALITY))
-    if file.stat().st_size > MOST_INSIDE_BYTES:
-        return file.relative_to(folder).as_posix(), poster, True
-    return data_uri("video/mp4", file.read_bytes()), poster, False
+    return Drive(name, drive_of(record), Clip.of_file(video_path(folder, name), folder), drawn)
 
 
 def title(records: Sequence[dict[str, Any]]) -> str:

@@ -7,7 +7,7 @@ from markupsafe import Markup
 
 from vpf_sim.replay.frame_table import FrameTable
 from vpf_sim.replay.obstacles_ahead import closing_mps, true_ttc_s
-from vpf_sim.reporting.chart import Axis, Plot, reach
+from vpf_sim.reporting.kit.chart import Axis, Plot, reach
 from vpf_sim.types import Floats
 
 WIDTH, HEIGHT = 360.0, 140.0

@@ -9,8 +9,9 @@ from collections.abc import Sequence
 from vpf_sim.evaluation.analysis.comparisons import BASE_DRIVER
 from vpf_sim.evaluation.analysis.rows import Row
 from vpf_sim.evaluation.metrics.registry import BY_PART, PASSING, columns
-from vpf_sim.reporting.cells import Order, formatted
-from vpf_sim.reporting.tables import Table, Value, names, score
+from vpf_sim.reporting.cells import Order
+from vpf_sim.reporting.kit.table import Line, Table, Value, formatted
+from vpf_sim.reporting.tables import names, score
 
 SIGNALS = ("throttle", "steering")
 WHERE = ("scenario", "weather", "driver")
@@ -21,7 +22,9 @@ def by_definition(rows: Sequence[Row], order: Order, signal: str) -> Table | Non
     metrics = columns(signal)
     others = [row for row in order.sorted(rows) if row.driver != BASE_DRIVER]
     shown = [row for row in others if any(row[metric] is not None for metric in metrics)]
-    lines = tuple((*names(row), *_paper(row, signal), *(score(row, metric) for metric in metrics)) for row in shown)
+    lines: tuple[Line, ...] = tuple(
+        (*names(row), *_paper(row, signal), *(score(row, metric) for metric in metrics)) for row in shown
+    )
     paper = ["the paper, undefined"] if any(_paper(row, signal) for row in shown) else []
     return Table((*WHERE, *paper, *(metric.title for metric in metrics)), lines, 3) if lines else None
 
@@ -29,7 +32,7 @@ def by_definition(rows: Sequence[Row], order: Order, signal: str) -> Table | Non
 def by_part(rows: Sequence[Row], order: Order) -> Table | None:
     """Path MSE and accuracies clear of obstacles and passing one, one row per cell with obstacles."""
     shown = [row for row in order.sorted(rows) if row[PASSING] is not None]
-    lines = tuple((*names(row), *(score(row, metric) for metric in BY_PART)) for row in shown)
+    lines: tuple[Line, ...] = tuple((*names(row), *(score(row, metric) for metric in BY_PART)) for row in shown)
     return Table((*WHERE, *(metric.title for metric in BY_PART)), lines, 3) if lines else None
 
 

@@ -1,4 +1,4 @@
-"""Cells of a report's tables: exact value, formatted text and interval."""
+"""The main table of a report, its cells, and the order of scenarios, weathers and drivers."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -9,18 +9,9 @@ from typing import Protocol
 from vpf_sim.evaluation.analysis.rows import Row
 from vpf_sim.evaluation.metrics.metric import Metric
 from vpf_sim.evaluation.metrics.registry import SUCCESS, columns
+from vpf_sim.reporting.kit.table import Value, formatted, interval_text
 
-NONE = "–"
 DRIVING = columns("driving")
-
-
-@dataclass(frozen=True, slots=True)
-class Cell:
-    """One number of a table."""
-
-    value: float | None
-    text: str
-    interval: str = ""  # formatted
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +24,7 @@ class DriverRow:
     episodes: int
     interval: str  # of the success rate, formatted
     endings: str  # of the unsuccessful episodes, as text
-    cells: tuple[Cell, ...]
+    cells: tuple[Value, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,25 +33,13 @@ class Group:
 
     scenario: str
     weather: str
-    paper: tuple[Cell, ...]
+    paper: tuple[Value, ...]
     rows: tuple[DriverRow, ...]
 
 
 def shown(name: str) -> str:
     """The display name of a scenario or weather: a file's name without its folder."""
     return Path(name).stem if name.endswith(".toml") else name
-
-
-def formatted(value: float | None, digits: int, percent: bool = False) -> str:
-    """A formatted number, with a true minus sign."""
-    if value is None:
-        return NONE
-    text = f"{100.0 * value if percent else value:.{digits}f}"
-    return text.removeprefix("-") if float(text) == 0.0 else text.replace("-", "−")
-
-
-def interval_text(ends: tuple[float, float] | None, digits: int, percent: bool = False) -> str:
-    return "" if ends is None else " to ".join(formatted(end, digits, percent) for end in ends)
 
 
 def text_of(metric: Metric, value: float | None) -> str:
@@ -73,10 +52,10 @@ def ends_of(metric: Metric, row: Row) -> str:
     return interval_text(row.interval(metric), metric.digits, metric.percent)
 
 
-def cell(row: Row, metric: Metric) -> Cell:
+def cell(row: Row, metric: Metric) -> Value:
     """The cell of a metric, with its interval."""
     value = row[metric]
-    return Cell(value, text_of(metric, value), ends_of(metric, row))
+    return Value(text_of(metric, value), ends_of(metric, row), value)
 
 
 def groups(rows: Sequence[Row], order: "Order") -> list[Group]:
@@ -103,13 +82,13 @@ def endings(row: Row) -> str:
     return ", ".join([*counts, *([f"{row.missing} not driven"] if row.missing else [])])
 
 
-def _paper(rows: Sequence[Row]) -> tuple[Cell, ...]:
+def _paper(rows: Sequence[Row]) -> tuple[Value, ...]:
     """The paper's row in the main table's columns; empty if it has none."""
     paper = rows[0].paper
     if not paper:
         return ()
     values = [(metric, paper.get(metric.paper)) for metric in DRIVING]
-    return tuple(Cell(value, formatted(value, 2, metric.percent)) for metric, value in values)
+    return tuple(Value(formatted(value, 2, metric.percent), value=value) for metric, value in values)
 
 
 class Placed(Protocol):

@@ -12,7 +12,7 @@ from vpf_sim.evaluation.metrics.registry import PATH_MSE
 from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.reporting import clips, paths, video
-from vpf_sim.reporting.clips import Clip
+from vpf_sim.reporting.clips import EpisodeClip
 from vpf_sim.reporting.paths import Track
 from vpf_sim.reporting.road_layout import layouts
 from vpf_sim.reporting.run_data import RunData
@@ -28,7 +28,7 @@ class Change:
 
     name: str
     endings: tuple[str, str]
-    videos: tuple[Clip | None, Clip | None]
+    videos: tuple[EpisodeClip | None, EpisodeClip | None]
     above: Markup | None
 
 
@@ -82,7 +82,7 @@ def _place_m(pair: Pair, tables: Sequence[StepTable | None]) -> float:
     return float(one.route_m[apart_m.argmax()])
 
 
-def _video(run: RunData, record: Record, end_m: float, notify: Callable[[str], None]) -> Clip | None:
+def _video(run: RunData, record: Record, end_m: float, notify: Callable[[str], None]) -> EpisodeClip | None:
     if not record.steps:
         return None
     try:

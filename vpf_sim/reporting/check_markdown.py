@@ -6,6 +6,7 @@ from pathlib import Path
 
 from vpf_sim.evaluation.gate.checks import Check, listed, repeats, unlisted
 from vpf_sim.files import write_text
+from vpf_sim.reporting.kit.table import Table
 
 WORDS = {"passed": "✅ ok", "failed": "❌ fail", "skipped": "– skipped"}
 
@@ -31,16 +32,12 @@ def write_markdown(checks: Sequence[Check], path: Path) -> None:
 def _table(checks: Iterable[Check]) -> list[str]:
     rows = [(WORDS[one.outcome], *one.cell, one.expected, one.actual) for one in checks]
     header = ("", "scenario", "weather", "driver", "expected", "actual")
-    return [_row(header), _row("---" for _ in header), *(_row(map(_text, row)) for row in rows)]
-
-
-def _row(cells: Iterable[str]) -> str:
-    return f"| {' | '.join(cells)} |"
+    return [*Table(header, tuple(tuple(map(_text, row)) for row in rows), words=len(header)).markdown()]
 
 
 def _text(text: str) -> str:
     """A text in one line of a table's cell, without meaning in Markdown or HTML."""
     plain = "".join(char if char.isprintable() else "?" for char in text)
-    for char in "\\|`*_[]~":
+    for char in "\\`*_[]~":
         plain = plain.replace(char, f"\\{char}")
     return plain.replace("&", "&amp;").replace("<", "&lt;")

@@ -11,7 +11,7 @@ import numpy as np
 
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.reporting import episode_view
-from vpf_sim.reporting.pictures import data_uri, jpeg
+from vpf_sim.reporting.kit.clip import Clip
 from vpf_sim.reporting.redraw import redrawing
 from vpf_sim.reporting.stored_run import StoredRun
 from vpf_sim.reporting.video import Writer
@@ -20,20 +20,16 @@ from vpf_sim.types import Image
 LENGTH_S, RATE_HZ = 6.0, 30.0
 SCALE = 0.75
 CRF = 27  # of x264: about half a megabyte a clip
-POSTER_QUALITY = 70  # of JPEG
 
 
 @dataclass(frozen=True, slots=True)
-class Clip:
-    """A video of a part of an episode."""
+class EpisodeClip:
+    """A video of a part of an episode; its poster is the last frame."""
 
     episode: str
     ending: str
     remarks: tuple[str, ...]
-    video: str  # data URI
-    poster: str  # data URI of its last frame
-    width_px: int
-    height_px: int
+    film: Clip
 
 
 def choose(records: Iterable[Record], drivers: Sequence[str], count: int) -> list[Record]:
@@ -54,7 +50,7 @@ def choose(records: Iterable[Record], drivers: Sequence[str], count: int) -> lis
     return [record for *_, record in sorted(ranked, key=lambda item: item[:2])[:count]]
 
 
-def make(run: StoredRun, record: Record, until_m: float | None = None) -> Clip:
+def make(run: StoredRun, record: Record, until_m: float | None = None) -> EpisodeClip:
     """Re-render the episode and encode its end, or the seconds before `until_m` of the route."""
     drawn = redrawing(run, record.id, replan=True)
     last = len(drawn.table)
@@ -70,12 +66,4 @@ def make(run: StoredRun, record: Record, until_m: float | None = None) -> Clip:
                 small: Image = cv2.resize(frame, (width, height), interpolation=cv2.INTER_AREA)  # type: ignore[assignment]
                 writer.write(small)
         video = path.read_bytes()
-    return Clip(
-        record.id,
-        episode_view.ending(drawn),
-        tuple(drawn.remarks),
-        data_uri("video/mp4", video),
-        data_uri("image/jpeg", jpeg(small, POSTER_QUALITY)),
-        width,
-        height,
-    )
+    return EpisodeClip(record.id, episode_view.ending(drawn), tuple(drawn.remarks), Clip.embedded(video, small))

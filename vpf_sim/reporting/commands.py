@@ -6,7 +6,7 @@ import numpy as np
 from markupsafe import Markup
 
 from vpf_sim.evaluation.steps import StepTable
-from vpf_sim.reporting.chart import Axis, Plot, reach
+from vpf_sim.reporting.kit.chart import Axis, Plot, reach
 from vpf_sim.types import Floats
 
 WIDTH, HEIGHT = 360.0, 130.0

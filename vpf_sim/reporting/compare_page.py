@@ -6,11 +6,12 @@ from typing import Any
 from vpf_sim.evaluation.analysis.statistics import share_interval
 from vpf_sim.evaluation.metrics.registry import SUCCESS
 from vpf_sim.evaluation.sweeps.manifest import change
-from vpf_sim.reporting import answer, changes, failures, interval_chart, video
-from vpf_sim.reporting.cells import NONE, formatted, interval_text, shown
-from vpf_sim.reporting.interval_chart import Dot
-from vpf_sim.reporting.tables import Table, Value
-from vpf_sim.reporting.templates import render
+from vpf_sim.reporting import answer, changes, failures, video
+from vpf_sim.reporting.cells import shown
+from vpf_sim.reporting.kit import interval_chart
+from vpf_sim.reporting.kit.interval_chart import Dot
+from vpf_sim.reporting.kit.page import render
+from vpf_sim.reporting.kit.table import NONE, Line, Table, Value, formatted, interval_text
 from vpf_sim.reporting.two_runs import AGAINST, SCORES, Cell, Compared, Pair, TwoRuns, compared
 
 ORDER = ("worse", "better", "undecided", "same")  # of scores
@@ -100,7 +101,7 @@ def _picture(runs: TwoRuns, cells: dict[Cell, list[Pair]]) -> Any:
 
 def _table(rows: Sequence[tuple[tuple[str, ...], dict[str, Compared]]], names: tuple[str, ...]) -> Table:
     """The scores, what got worse first."""
-    lines = []
+    lines: list[Line] = []
     for cell, found in rows:
         for key, one in sorted(found.items(), key=lambda item: ORDER.index(item[1].verdict)):
             metric, difference = SCORES[key], one.difference
@@ -108,14 +109,12 @@ def _table(rows: Sequence[tuple[tuple[str, ...], dict[str, Compared]]], names: t
             ends = interval_text(difference.interval, *number) or NONE
             lines.append(
                 (
-                    *(Value(shown(name)) for name in cell),
-                    Value(metric.heading),
-                    Value(one.verdict),
+                    *map(shown, cell),
+                    metric.heading,
+                    one.verdict,
                     *(Value(formatted(value, *number), value=value) for value in (one.a, one.b)),
                     Value(_signed(difference.difference, *number), value=difference.difference),
-                    Value(ends),
-                    Value(answer.probability(difference.p).removeprefix("= ")),
-                    Value(str(difference.pairs)),
+                    *(ends, answer.probability(difference.p).removeprefix("= "), str(difference.pairs)),
                 )
             )
     header = (*names, "score", "verdict", "A", "B", "B − A", "95 % interval", "p", "pairs")
@@ -127,10 +126,11 @@ def _signed(value: float, digits: int, percent: bool) -> str:
     return f"+{text}" if value > 0.0 and float(text) > 0.0 else text
 
 
-def _endings(runs: TwoRuns) -> list[tuple[str, str, str]]:
+def _endings(runs: TwoRuns) -> Table:
     """Name and both endings of each episode with another ending, those that now fail first."""
-    rows = changes.choose(runs.pairs, len(runs.pairs)) if any(pair.changed for pair in runs.pairs) else []
-    return [(changes.name(pair), pair.records[0].ending, pair.records[1].ending) for pair in rows]
+    pairs = changes.choose(runs.pairs, len(runs.pairs)) if any(pair.changed for pair in runs.pairs) else []
+    rows = tuple((changes.name(pair), pair.records[0].ending, pair.records[1].ending) for pair in pairs)
+    return Table(("episode", f"A, {runs.labels[0]}", f"B, {runs.labels[1]}"), rows, words=3)
 
 
 def _made(runs: TwoRuns) -> Iterator[tuple[str, str]]:

@@ -3,10 +3,14 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
+from textwrap import shorten
 
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.metrics.registry import COMPLETION
 from vpf_sim.reporting.cells import shown, text_of
+from vpf_sim.reporting.kit.table import Table
+
+MOST_REASON = 160  # letters
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +27,17 @@ class FailureGroup:
     way: str  # route completion in percent: "12.0 to 55.2"
     example: str  # the id of one episode
 
+    @property
+    def place(self) -> str:
+        return f"{self.scenario}, {self.weather}, {self.driver}"
+
+    @property
+    def what(self) -> str:
+        """How often and how they ended: "2 × collision with a car"."""
+        hit = f" with a {self.collided_with}" if self.collided_with else ""
+        why = f": {shorten(self.reason, MOST_REASON, placeholder='...')}" if self.reason else ""
+        return f"{len(self.seeds)} × {self.status}{hit}{why}"
+
 
 def endings(failed: Sequence[Record], reason: Callable[[str], str | None]) -> list[FailureGroup]:
     """The failed records grouped, in their order of cells; `reason` returns the error of an id."""
@@ -33,6 +48,12 @@ def endings(failed: Sequence[Record], reason: Callable[[str], str | None]) -> li
     cells = {record.cell: number for number, record in reversed([*enumerate(failed)])}
     ordered = sorted(failed, key=lambda record: (cells[record.cell], alike(record), record.seed))
     return [_ending(key, list(found)) for key, found in groupby(ordered, key=alike)]
+
+
+def table(groups: Sequence[FailureGroup]) -> Table | None:
+    """One row per group; None without any."""
+    rows = tuple((one.place, one.what, ranges(one.seeds), one.way) for one in groups)
+    return Table(("where", "ended by", "seeds", "route completed, %"), rows, words=3) if rows else None
 
 
 def ranges(seeds: Sequence[int]) -> str:

@@ -8,10 +8,12 @@ from vpf_sim.evaluation.analysis.rows import Row
 from vpf_sim.evaluation.metrics.metric import Metric
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.metrics.registry import columns
-from vpf_sim.reporting import commands, interval_chart, paths
+from vpf_sim.reporting import commands, paths
 from vpf_sim.reporting.cells import Order, shown
 from vpf_sim.reporting.commands import CommandCharts
-from vpf_sim.reporting.paths import Chart, Track
+from vpf_sim.reporting.kit import interval_chart
+from vpf_sim.reporting.kit.chart import Figure
+from vpf_sim.reporting.paths import Track
 from vpf_sim.reporting.road_layout import layouts
 from vpf_sim.reporting.run_data import RunData
 from vpf_sim.reporting.stored_run import StoredRun
@@ -26,7 +28,7 @@ class Section:
 
     title: str
     drivers: tuple[str, ...]
-    paths: tuple[Chart, ...]
+    paths: tuple[Figure, ...]
 
 
 @dataclass(slots=True)
@@ -93,14 +95,14 @@ def _commands(run: StoredRun, order: Order, records: Sequence[Record]) -> Iterat
             yield commands.charts(record.id, order.style(record.driver), table)
 
 
-def scores(rows: Sequence[Row], order: Order) -> Iterator[Chart]:
+def scores(rows: Sequence[Row], order: Order) -> Iterator[Figure]:
     """One chart per score, with the paper's values."""
     for metric in columns("chart"):
         found = [dot for row in rows if (dot := _dot(row, metric, order))]
         if found:
             scale, title = _scale(metric), f"{metric.heading[0].upper()}{metric.heading[1:]}"
             ends = None if metric.perfect is None else (0.0, scale * metric.perfect)
-            yield Chart(title, interval_chart.chart(found, _marks(rows, order, metric), title, ends))
+            yield Figure(title, interval_chart.chart(found, _marks(rows, order, metric), title, ends))
 
 
 def _scale(metric: Metric) -> float:

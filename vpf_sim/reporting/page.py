@@ -4,23 +4,13 @@ from collections.abc import Callable
 from typing import Any
 
 from vpf_sim.errors import InputError
-from vpf_sim.reporting import (
-    accuracy,
-    answer,
-    cells,
-    clips,
-    failures,
-    figures,
-    interval_chart,
-    success_map,
-    tables,
-    video,
-)
+from vpf_sim.reporting import accuracy, answer, cells, clips, failures, figures, success_map, tables, video
 from vpf_sim.reporting.cells import shown
-from vpf_sim.reporting.clips import Clip
+from vpf_sim.reporting.clips import EpisodeClip
+from vpf_sim.reporting.kit import interval_chart
+from vpf_sim.reporting.kit.page import render
 from vpf_sim.reporting.run_data import RunData
 from vpf_sim.reporting.stored_run import StoredRun
-from vpf_sim.reporting.templates import render
 from vpf_sim.shell import command
 
 MOST_LISTED = 40  # groups of failures
@@ -43,6 +33,7 @@ def _headline(run_data: RunData) -> dict[str, Any]:
         "command": run_data.command,
         "plan": run_data.plan,
         "order": run_data.order,
+        "weathers": [*map(shown, run_data.order.weathers)],
         "title": answer.title(run_data.plan, run_data.run.begun),
         "answers": answer.sentences(run_data.rows, run_data.order, against, run_data.command),
         "driven": len(run_data.records),
@@ -92,16 +83,17 @@ def _tables(run_data: RunData) -> dict[str, Any]:
 
 def _failures(run_data: RunData) -> dict[str, Any]:
     found = failures.endings(run_data.failures(), run_data.run.reason)
+    example = found[0].example if found else ""
     return {
         "video_remedy": "" if video.is_available() else video.INSTALL,
-        "has_steps": lambda episode: run_data.run.steps(episode) is not None,
-        "failures": [(ending, failures.ranges(ending.seeds)) for ending in found[:MOST_LISTED]],
+        "example": example if example and run_data.run.steps(example) is not None else "",
+        "failures": failures.table(found[:MOST_LISTED]),
         "failed": len(run_data.failures()),
         "unlisted": sum(len(ending.seeds) for ending in found[MOST_LISTED:]),
     }
 
 
-def _clips(run_data: RunData, count: int, notify: Notify) -> list[Clip]:
+def _clips(run_data: RunData, count: int, notify: Notify) -> list[EpisodeClip]:
     """Clips of failures, or of a success; those that cannot be re-rendered are skipped."""
     if not video.can_film(count, notify):
         return []

@@ -7,7 +7,7 @@ import numpy as np
 from markupsafe import Markup
 
 from vpf_sim.evaluation.steps import StepTable
-from vpf_sim.reporting.chart import Axis, Plot, reach, thinned
+from vpf_sim.reporting.kit.chart import Axis, Figure, Plot, reach, thinned
 from vpf_sim.reporting.road_layout import RoadLayout, StaticObstacle
 from vpf_sim.types import Floats
 
@@ -28,13 +28,7 @@ class Track:
     table: StepTable
 
 
-@dataclass(frozen=True, slots=True)
-class Chart:
-    caption: str
-    svg: Markup
-
-
-def charts(layouts: Mapping[int, RoadLayout], tracks: Sequence[Track], title: str) -> list[Chart]:
+def charts(layouts: Mapping[int, RoadLayout], tracks: Sequence[Track], title: str) -> list[Figure]:
     """The charts of one scenario in one weather; if each seed has its own road, the maps show the first seed."""
     first = layouts[min(layouts)]
     alike = {seed: layout for seed, layout in layouts.items() if layout.has_the_road_of(first)}
@@ -44,12 +38,12 @@ def charts(layouts: Mapping[int, RoadLayout], tracks: Sequence[Track], title: st
     which = "" if one_road else f", seed {min(layouts)} (each seed has its own road)"
     obstacles = [obstacle for layout in layouts.values() for obstacle in layout.static_obstacles] if one_road else []
     maps = [
-        Chart(f"Overview{which}; world axes, m.", overview(first, list(shown.values()), here, title)),
-        Chart(_offset_caption(layouts, one_road), offsets(layouts, obstacles, tracks, title)),
+        Figure(f"Overview{which}; world axes, m.", overview(first, list(shown.values()), here, title)),
+        Figure(_offset_caption(layouts, one_road), offsets(layouts, obstacles, tracks, title)),
     ]
     for number, (s_m, what) in enumerate(zooms(list(shown.values()))[:MOST_ZOOMS], start=1):
         caption = f"Zoom {number}: {what}{which}; driving to the right, to scale."
-        maps.append(Chart(caption, zoom(first, list(shown.values()), here, s_m, title)))
+        maps.append(Figure(caption, zoom(first, list(shown.values()), here, s_m, title)))
     return maps
 
 

@@ -10,7 +10,8 @@ from vpf_sim.evaluation.metrics.registry import AT_FAULT, COLLISIONS, SUCCESS, c
 from vpf_sim.evaluation.sweeps.fingerprint import commit_of
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.seeds import parse_seeds
-from vpf_sim.reporting.cells import NONE, cell, driver_row, shown, text_of
+from vpf_sim.reporting.cells import cell, driver_row, shown, text_of
+from vpf_sim.reporting.kit.table import NONE, Cell, Table, Value
 from vpf_sim.reporting.run_data import RunData
 from vpf_sim.reporting.stored_run import open_run
 from vpf_sim.reporting.tables import OBJECTS, PERCEPTION, perception
@@ -39,53 +40,49 @@ def make(paths: Iterable[Path]) -> str:
 
 def _driving(subjects: Sequence[RunData]) -> Iterator[str]:
     headings = [metric.heading for metric in SCORES]
-    yield from _head(("scenario", "weather", "driver", "seeds", "success, %", "collisions (at fault)", *headings), 4)
-    for subject in subjects:
-        yield from (_line(_cells(row, subject.plan)) for row in subject.rows)
+    header = ("scenario", "weather", "driver", "seeds", "success, %", "collisions (at fault)", *headings)
+    rows = tuple(_cells(row, subject.plan) for subject in subjects for row in subject.rows)
+    yield from Table(header, rows, names=4).markdown()
 
 
-def _cells(row: Row, plan: Plan) -> list[str]:
+def _cells(row: Row, plan: Plan) -> tuple[Cell, ...]:
     found = driver_row(row)
     driver = found.driver if found.privileged == "none" else f"{found.driver}, knows the {found.privileged}"
     share = f"{text_of(SUCCESS, row[SUCCESS])} ({found.successes} of {found.episodes})"
     collisions = f"{text_of(COLLISIONS, row[COLLISIONS])} ({text_of(AT_FAULT, row[AT_FAULT])})"
-    success = _below(share, "; ".join(filter(None, (found.interval, found.endings))))
-    names = [shown(row.scenario), shown(row.weather), driver, _seeds(plan)]
-    return [*names, success, collisions, *_scores(row)]
-
-
-def _scores(row: Row) -> Iterator[str]:
-    for metric in SCORES:
-        found = cell(row, metric)
-        yield _below(found.text, found.interval)
+    success = Value(share, "; ".join(filter(None, (found.interval, found.endings))))
+    names = (shown(row.scenario), shown(row.weather), driver, _seeds(plan))
+    return (*names, success, collisions, *(cell(row, metric) for metric in SCORES))
 
 
 def _perceived(subjects: Sequence[RunData]) -> Iterator[str]:
     """Tables of the runs that have ground truth of perception, one for each set of columns."""
-    rows: dict[tuple[str, ...], list[str]] = {}
+    found: dict[tuple[str, ...], list[tuple[Cell, ...]]] = {}
     for subject in subjects:
         for labels in (OBJECTS, PERCEPTION):
             table = perception(subject.rows, subject.order, labels)
             if table is not None:
                 header = (*table.header[: table.names], "seeds", *table.header[table.names :])
-                lines = rows.setdefault(header, [*_head(header, table.names + 1)])
                 for row in table.rows:
-                    cells = [_below(value.text, value.beside) for value in row]
-                    lines.append(_line([*cells[: table.names], _seeds(subject.plan), *cells[table.names :]]))
-    for lines in rows.values():
-        yield from ("", *lines)
+                    cells = (*row[: table.names], _seeds(subject.plan), *row[table.names :])
+                    found.setdefault(header, []).append(cells)
+    for header, rows in found.items():
+        yield from ("", *Table(header, tuple(rows), names=4).markdown())
 
 
 def _runs(subjects: Sequence[RunData]) -> Iterator[str]:
-    yield from _head(("seeds", "used for", "episodes driven", "vpf_sim", "sources", "commit"), 2)
-    for subject in subjects:
-        made = subject.run.manifest.fingerprint
-        sources = str(made.get("source", NONE))
-        driven = f"{len(subject.records)} of {len(subject.jobs)}"
-        used = [_seeds(subject.plan), _purpose(subject.plan), driven]
-        yield _line([*used, str(made.get("vpf_sim", NONE)), sources[:12], commit_of(sources) or NONE])
+    header = ("seeds", "used for", "episodes driven", "vpf_sim", "sources", "commit")
+    yield from Table(header, tuple(map(_run, subjects)), names=2).markdown()
     commands = dict.fromkeys(_commands(subjects))
     yield from ("", "```sh", *commands, "```") if commands else ()
+
+
+def _run(subject: RunData) -> tuple[str, ...]:
+    made = subject.run.manifest.fingerprint
+    sources = str(made.get("source", NONE))
+    driven = f"{len(subject.records)} of {len(subject.jobs)}"
+    version = (str(made.get("vpf_sim", NONE)), sources[:12], commit_of(sources) or NONE)
+    return (_seeds(subject.plan), _purpose(subject.plan), driven, *version)
 
 
 def _commands(subjects: Iterable[RunData]) -> Iterator[str]:
@@ -112,17 +109,3 @@ def _purpose(plan: Plan) -> str:
     """What a block of seeds is for, by the project's rule."""
     first = min(drive[2] for drive in plan.drives) if plan.drives else min(parse_seeds(plan.seeds))
     return "development" if first < DEVELOPMENT_SEEDS_BELOW else "evaluation"
-
-
-def _head(header: Sequence[str], names: int) -> Iterator[str]:
-    yield _line(header)
-    yield _line(["---" if i < names else "---:" for i in range(len(header))])
-
-
-def _line(cells: Sequence[str]) -> str:
-    escaped = [one.replace("|", "\\|") for one in cells]
-    return f"| {' | '.join(escaped)} |"
-
-
-def _below(words: str, beside: str) -> str:
-    return f"{words}<br>{beside}" if beside else words

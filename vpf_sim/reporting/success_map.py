@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.metrics.registry import COMPLETION
-from vpf_sim.reporting.cells import Order, formatted, shown
+from vpf_sim.reporting.cells import Order, shown
+from vpf_sim.reporting.kit.table import formatted
 
 SIGNS = {
     "success": "✓",

@@ -1,7 +1,6 @@
 """Further tables of a report: perception, comfort, compute, paired differences, seeds needed."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from statistics import median
 
 from vpf_sim.evaluation.analysis.rows import Comparison, Row
@@ -10,7 +9,8 @@ from vpf_sim.evaluation.analysis.summary import WIDTHS
 from vpf_sim.evaluation.metrics.metric import Metric
 from vpf_sim.evaluation.metrics.records import Record, Timing
 from vpf_sim.evaluation.metrics.registry import COMFORTABLE, FOE, PATH_MSE, SUCCESS, columns
-from vpf_sim.reporting.cells import NONE, Order, ends_of, formatted, interval_text, shown, text_of
+from vpf_sim.reporting.cells import Order, ends_of, shown, text_of
+from vpf_sim.reporting.kit.table import NONE, Line, Table, Value, formatted, interval_text
 
 PERCEPTION, OBJECTS, COMPARED = (columns(table) for table in ("perception", "objects", "pairs"))
 STAGES = {  # column -> stages of timing.jsonl that it adds up
@@ -38,30 +38,12 @@ REAL_TIME_HZ = 60.0
 MOST_DIGITS = 7  # of a difference
 
 
-@dataclass(frozen=True, slots=True)
-class Value:
-    """A cell: text, small text beside it, and the exact number."""
-
-    text: str
-    beside: str = ""
-    value: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Table:
-    """Rows of cells; the first `names` columns are row names."""
-
-    header: tuple[str, ...]
-    rows: tuple[tuple[Value, ...], ...]
-    names: int
-
-
 def perception(rows: Sequence[Row], order: Order, metrics: Sequence[Metric]) -> Table | None:
     """Perception metrics of drivers that expose their plan, one row per cell."""
     perceived = [row for row in order.sorted(rows) if _has_foe(row)]
     scored = [row for row in perceived if any(row[metric] is not None for metric in metrics)]
     found = [metric for metric in metrics if any(row[metric] is not None for row in scored)]
-    lines = tuple((*names(row), *(score(row, metric) for metric in found)) for row in scored)
+    lines: tuple[Line, ...] = tuple((*names(row), *(score(row, metric) for metric in found)) for row in scored)
     header = ("scenario", "weather", "driver", *(metric.heading for metric in found))
     return Table(header, lines, 3) if lines else None
 
@@ -82,7 +64,7 @@ def score(row: Row, metric: Metric) -> Value:
 def seeds_needed(rows: Sequence[Row], order: Order) -> Table | None:
     """Number of seeds for intervals of WIDTHS, one row per cell."""
     found = [row for row in order.sorted(rows) if row.seeds_needed]
-    lines = tuple((*names(row), Value(str(row.episodes)), *_needed(row)) for row in found)
+    lines: tuple[Line, ...] = tuple((*names(row), Value(str(row.episodes)), *_needed(row)) for row in found)
     success = f"for success within {100.0 * WIDTHS[SUCCESS.row_key]:g} points"
     path_mse = f"for path MSE within {WIDTHS[PATH_MSE.row_key]:g} m² (successful seeds)"
     header = ("scenario", "weather", "driver", "seeds so far", success, path_mse)
@@ -97,21 +79,21 @@ def _needed(row: Row) -> Iterator[Value]:
 
 def comfort(records: Sequence[Record], order: Order) -> Table | None:
     """The share of each driver's successful episodes inside each of nuPlan's bounds."""
-    lines = []
+    lines: list[Line] = []
     for driver in order.drivers:
         found = [one for one in records if one.driver == driver and one.succeeded and one[COMFORTABLE] is not None]
         if not found:
             continue
         shares = [_inside([one.scores.get(f"comfort.signals.{key}.within") for one in found]) for key in COMFORT]
-        lines.append((Value(driver), *shares, _inside([one[COMFORTABLE] for one in found])))
+        lines.append((driver, *shares, _inside([one[COMFORTABLE] for one in found])))
     header = ("driver", *(f"{label} {bound}" for label, bound in COMFORT.values()), "all")
     return Table(header, tuple(lines), 1) if lines else None
 
 
 def compute(timing: Mapping[str, Timing], records: Sequence[Record], order: Order) -> Table | None:
     """Wall times by driver and weather."""
-    lines = [
-        (Value(driver), Value(shown(weather)), *_rates(times), *_stages(times))
+    lines: list[Line] = [
+        (driver, shown(weather), *_rates(times), *_stages(times))
         for driver in order.drivers
         for weather in order.weathers
         if (times := _timed(timing, records, driver, weather))
@@ -148,11 +130,12 @@ def _stages(times: Sequence[Timing]) -> Iterator[Value]:
 
 def comparisons(found: Sequence[Comparison], of: str, order: Order) -> Table | None:
     """Paired differences of weathers or of drivers."""
-    lines, kept = [], "driver" if of == "weather" else "weather"
+    lines: list[Line] = []
+    kept = "driver" if of == "weather" else "weather"
     for one in sorted(found, key=order.place):
         if one.of == of:
-            who = Value(f"{shown(getattr(one.cell, of))} − {shown(one.minus)}")
-            where = (Value(shown(one.cell.scenario)), Value(shown(getattr(one.cell, kept))))
+            who = f"{shown(getattr(one.cell, of))} − {shown(one.minus)}"
+            where = (shown(one.cell.scenario), shown(getattr(one.cell, kept)))
             lines.append((who, *where, *(_difference(one.differences.get(key.key), key) for key in COMPARED)))
     return Table(("what", "scenario", kept, *(one.heading for one in COMPARED)), tuple(lines), 3) if lines else None
 
@@ -186,6 +169,6 @@ def _inside(within: Sequence[float | None]) -> Value:
     return Value(formatted(sum(known) / len(known), 0, True) + " %", f"{sum(known):.0f} of {len(known)}")
 
 
-def names(row: Row) -> tuple[Value, Value, Value]:
+def names(row: Row) -> tuple[str, str, str]:
     """Scenario, weather and driver as the first columns."""
-    return Value(shown(row.scenario)), Value(shown(row.weather)), Value(row.driver)
+    return shown(row.scenario), shown(row.weather), row.driver

@@ -14,7 +14,7 @@ from vpf_sim.files import write_bytes, write_text
 from vpf_sim.gallery.scripted import ScriptedDrive
 from vpf_sim.replay import readers, video_file
 from vpf_sim.replay.recording import Recording
-from vpf_sim.reporting.pictures import jpeg
+from vpf_sim.reporting.kit.clip import jpeg
 from vpf_sim.types import Camera, Image
 
 JPEG_QUALITY = 95

@@ -69,9 +69,8 @@ def test_span_has_no_value_where_the_pid_never_moved() -> None:
     assert found["range"] == pytest.approx(0.85)
     still = drive(CELLS[0], table=table(np.full(120, 0.2), np.full(120, 0.5)))
     rows = reproduction.cells([replace(still, scenario=scenario, weather=weather) for scenario, weather in CELLS])
-    span = {"protocol": "shadow", "definition": "span"}
-    (row,) = [row for row in reproduction.definitions(rows) if span.items() <= row.items()]
-    assert row["steering"] == {"values": [None] * 4, "off": None, "same_order": None}
+    (row,) = [row for row in reproduction.definitions(rows) if (row.protocol, row.definition) == ("shadow", "span")]
+    assert row.steering == reproduction.AgainstPrint([None] * 4, None, None)
 
 
 def test_path_errors_against_the_pid_by_nearest_point_and_by_time() -> None:
@@ -97,7 +96,7 @@ def test_jerkiness_is_the_yaw_acceleration_without_the_relays_ripple() -> None:
 
 def claims_hold(drives: list[Drive]) -> dict[str, bool | None]:
     rows = reproduction.cells(drives)
-    return {row["claim"]: row["holds"] for row in paper_claims.claims(rows, drives, 5.0)}
+    return {one.claim: one.holds for one in paper_claims.claims(rows, drives, 5.0)}
 
 
 def test_claims_hold_by_what_was_measured() -> None:
@@ -136,11 +135,9 @@ def test_the_claim_names_definitions_whose_order_matches_the_paper() -> None:
         drives.append(drive(cell, table=one.replaced(columns)))
     rows = reproduction.cells(drives)
     (shadow,) = [
-        row
-        for row in reproduction.definitions(rows)
-        if (row["protocol"], row["definition"]) == ("shadow", "difference")
+        row for row in reproduction.definitions(rows) if (row.protocol, row.definition) == ("shadow", "difference")
     ]
-    for signal in ("throttle", "steering"):
-        assert shadow[signal]["off"] == pytest.approx(0.0, abs=1e-9)
-        assert shadow[signal]["same_order"]
+    for signal in (shadow.throttle, shadow.steering):
+        assert signal.off == pytest.approx(0.0, abs=1e-9)
+        assert signal.same_order
     assert claims_hold(drives)["The accuracies fall in the order of the table."]

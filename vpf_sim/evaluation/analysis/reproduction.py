@@ -6,7 +6,6 @@ So each is computed by several definitions, and the tables show how far each is 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -34,7 +33,7 @@ DEFINITIONS = {  # d = signal - the PID's
     "correlation": "correlation with the PID",
 }
 PROTOCOLS = ("shadow", "paired")
-Row = dict[str, Any]
+Values = dict[str, float | None]  # by definition, or by reference path
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,12 +51,57 @@ class Drive:
         return self.record.succeeded
 
 
+@dataclass(frozen=True, slots=True)
+class CellResult:
+    """One row of the paper's table: means over the drives that reached the goal."""
+
+    scenario: str
+    weather: str
+    paper: Mapping[str, float]
+    episodes: int
+    successes: int
+    path_mse_m2: Values
+    clearance_m: float | None  # the least, to the parked cars
+    jerkiness_radps2: float | None
+    in_lane_share: float | None
+    accuracy: Mapping[str, Mapping[str, Values]]  # by protocol and signal
+
+    @property
+    def cell(self) -> tuple[str, str]:
+        return self.scenario, self.weather
+
+    @property
+    def lane_mse_m2(self) -> float | None:
+        """Path MSE to the lane's centre."""
+        return self.path_mse_m2.get("lane centre")
+
+
+@dataclass(frozen=True, slots=True)
+class AgainstPrint:
+    """One signal's accuracies in the four cells, and how far they are from the printed ones."""
+
+    values: list[float | None]
+    off: float | None  # mean deviation, percentage points
+    same_order: bool | None
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """One definition of accuracy by one protocol, held against the printed values."""
+
+    protocol: str
+    definition: str
+    formula: str
+    throttle: AgainstPrint
+    steering: AgainstPrint
+
+
 def plan(seeds: str | None, driver: str = DRIVER) -> Plan:
     """The paper's four cells, with its method and the PID."""
     return Plan(SCENARIOS, WEATHERS, (driver, REFERENCE_DRIVER), seeds or SEEDS)
 
 
-def accuracies(table: StepTable, signal: str, protocol: str) -> dict[str, float | None]:
+def accuracies(table: StepTable, signal: str, protocol: str) -> Values:
     """One signal's accuracy in one episode by each of DEFINITIONS, 1 is best; empty without samples.
 
     `span` is None where the PID's signal never moved.
@@ -92,9 +136,9 @@ def _correlation(signal: Floats, pid: Floats) -> float:
     return float(np.mean((signal - signal.mean()) * (pid - pid.mean()))) / spread if spread > 0.0 else 0.0
 
 
-def path_errors(drive: Drive) -> dict[str, float | None]:
-    """Mean squared distance, m2, by three readings of "the original planned trajectory"."""
-    error: dict[str, float | None] = {"lane centre": drive.record[PATH_MSE]}
+def path_errors(drive: Drive) -> Values:
+    """Mean squared distance, m2, by three interpretations of "the original planned trajectory"."""
+    error: Values = {"lane centre": drive.record[PATH_MSE]}
     if drive.pid is None:
         return {**error, "PID's path": None, "PID at the same time": None}
     own, other = drive.table.positions_m, drive.pid.positions_m
@@ -114,54 +158,47 @@ def jerkiness(table: StepTable) -> float:
     return float(np.mean(np.abs(np.diff(smooth)))) / step_s if len(smooth) > 1 else 0.0
 
 
-def cells(drives: Sequence[Drive]) -> list[Row]:
+def cells(drives: Sequence[Drive]) -> list[CellResult]:
     """The paper's table: one row per cell, means over the successful episodes."""
     return [_cell(cell, [drive for drive in drives if (drive.scenario, drive.weather) == cell]) for cell in CELLS]
 
 
-def _cell(cell: tuple[str, str], drives: Sequence[Drive]) -> Row:
+def _cell(cell: tuple[str, str], drives: Sequence[Drive]) -> CellResult:
     good = [drive for drive in drives if drive.succeeded]
-    return {
-        "scenario": cell[0],
-        "weather": cell[1],
-        "paper": PAPER[cell],
-        "episodes": len(drives),
-        "successes": len(good),
-        "path_mse_m2": _means([path_errors(drive) for drive in good]),
-        "clearance_m": min(
-            (found for one in good if one.scenario == SCENARIOS[1] and (found := one.record[CLEARANCE]) is not None),
-            default=None,
-        ),
-        "jerkiness_radps2": mean([jerkiness(drive.table) for drive in good]),
-        "in_lane_share": mean([float(np.mean(drive.table.in_lane)) for drive in good]),
-        "accuracy": {
+    gaps = (one.record[CLEARANCE] for one in good if one.scenario == SCENARIOS[1])
+    return CellResult(
+        *cell,
+        paper=PAPER[cell],
+        episodes=len(drives),
+        successes=len(good),
+        path_mse_m2=_means([path_errors(drive) for drive in good]),
+        clearance_m=min((gap for gap in gaps if gap is not None), default=None),
+        jerkiness_radps2=mean([jerkiness(drive.table) for drive in good]),
+        in_lane_share=mean([float(np.mean(drive.table.in_lane)) for drive in good]),
+        accuracy={
             protocol: {signal: _means([accuracies(one.table, signal, protocol) for one in good]) for signal in SIGNALS}
             for protocol in PROTOCOLS
         },
-    }
+    )
 
 
-def definitions(rows: Sequence[Row]) -> list[Row]:
-    """One row per protocol and definition: percentage points off the printed values, and whether the order matches."""
+def definitions(rows: Sequence[CellResult]) -> list[Definition]:
+    """One row per protocol and definition."""
     return [
-        {
-            "protocol": protocol,
-            "definition": name,
-            "formula": formula,
-            **{signal: _against_print(rows, protocol, signal, name) for signal in SIGNALS},
-        }
+        Definition(protocol, name, formula, *(_against_print(rows, protocol, signal, name) for signal in SIGNALS))
         for protocol in PROTOCOLS
         for name, formula in DEFINITIONS.items()
     ]
 
 
-def _against_print(rows: Sequence[Row], protocol: str, signal: str, name: str) -> Row:
-    ours = [row["accuracy"][protocol][signal].get(name) for row in rows]
-    printed = [row["paper"][signal] for row in rows]
-    if None in ours:
-        return {"values": ours, "off": None, "same_order": None}
-    off = float(np.mean(np.abs(np.subtract(ours, printed))))
-    return {"values": ours, "off": 100.0 * off, "same_order": bool(np.all(np.argsort(ours) == np.argsort(printed)))}
+def _against_print(rows: Sequence[CellResult], protocol: str, signal: str, name: str) -> AgainstPrint:
+    ours = [row.accuracy[protocol][signal].get(name) for row in rows]
+    printed = [row.paper[signal] for row in rows]
+    known = np.array([value for value in ours if value is not None])
+    if len(known) < len(ours):
+        return AgainstPrint(ours, None, None)
+    off = float(np.mean(np.abs(known - printed)))
+    return AgainstPrint(ours, 100.0 * off, bool(np.all(np.argsort(known) == np.argsort(printed))))
 
 
 def mean(values: Sequence[float | None]) -> float | None:
@@ -170,6 +207,6 @@ def mean(values: Sequence[float | None]) -> float | None:
     return float(np.mean(present)) if present else None
 
 
-def _means(rows: Sequence[Mapping[str, float | None]]) -> dict[str, float | None]:
+def _means(rows: Sequence[Values]) -> Values:
     keys = rows[0] if rows else ()
     return {key: mean([row.get(key) for row in rows]) for key in keys}

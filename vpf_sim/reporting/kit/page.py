@@ -1,23 +1,21 @@
-"""Pages from templates, with the style sheet and the macros that they share."""
+"""Pages from templates, with one style sheet and one set of macros; a page is one file that loads nothing."""
 
 from typing import Any
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from vpf_sim.reporting.cells import shown
-from vpf_sim.reporting.chart import legend_key
+from vpf_sim.reporting.kit.chart import legend_key
 
-OWN = "vpf_sim.reporting"
+KIT = "vpf_sim.reporting.kit"
 
 
-def render(template: str, package: str = OWN, **content: Any) -> str:
+def render(template: str, package: str = "vpf_sim.reporting", **content: Any) -> str:
     """A page of a package's template; `style` is the style sheet, `key` draws a legend's line."""
-    loader = ChoiceLoader([PackageLoader(OWN, ""), PackageLoader(package, "")])
+    loader = ChoiceLoader([PackageLoader(KIT, ""), PackageLoader(package, "")])
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, loader=loader
     )
     environment.globals["key"] = legend_key
-    environment.filters["shown"] = shown
-    style = Markup(environment.get_template("report.css.jinja").render())
+    style = Markup(environment.get_template("page.css.jinja").render())
     return environment.get_template(template).render(style=style, **content)

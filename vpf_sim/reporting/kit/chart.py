@@ -16,6 +16,14 @@ POINTS = 260  # of a line, after downsampling
 
 
 @dataclass(frozen=True, slots=True)
+class Figure:
+    """A drawing with its caption."""
+
+    caption: str
+    svg: Markup
+
+
+@dataclass(frozen=True, slots=True)
 class Axis:
     """An axis from `low` (left or bottom) to `high`; low > high reverses it."""
 

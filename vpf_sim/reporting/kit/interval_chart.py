@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from markupsafe import Markup
 
-from vpf_sim.reporting.chart import Axis, Plot, reach, ticks
+from vpf_sim.reporting.kit.chart import Axis, Plot, reach, ticks
 
 WIDTH = 360.0
 ROW, HEAD, FOOT = 20.0, 20.0, 18.0  # px

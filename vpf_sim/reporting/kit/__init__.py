@@ -1,0 +1,1 @@
+"""What every page is made of: `page` and its macros, `table`, `chart`, `interval_chart`, `clip`."""
