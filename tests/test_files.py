@@ -18,7 +18,7 @@ from vpf_sim.evaluation.steps import write as write_steps
 from vpf_sim.evaluation.sweeps.json_lines import JsonLines
 from vpf_sim.evaluation.sweeps.run_folder import write_json
 from vpf_sim.files import file_name, replacing, write_text
-from vpf_sim.reporting.junit import write_junit
+from vpf_sim.reporting.check_files import write_junit
 from vpf_sim.reporting.video import Writer
 
 ROOT = Path(__file__).parents[1]
@@ -177,9 +177,9 @@ ALLOWED = {
     "vpf_sim/cli/streams.py": {"os.open"},  # the null device
     "vpf_sim/evaluation/parquet.py": {"write_parquet"},
     "vpf_sim/datasets/lerobot.py": {"write_table", "to_parquet"},
-    "vpf_sim/reporting/paper_figures.py": {"savefig"},  # into memory
+    "vpf_sim/reporting/paper_page.py": {"savefig"},  # into memory
     "vpf_sim/reporting/video.py": {"open"},
-    "vpf_sim/reporting/rerun_log.py": {"save"},
+    "vpf_sim/reporting/viewers.py": {"save"},
 }
 WRITING = {"write_bytes", "imwrite", "VideoWriter", "savez", "savez_compressed", "savetxt", "to_csv", "to_parquet"}
 WRITING |= {

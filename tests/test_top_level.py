@@ -28,7 +28,7 @@ def test_listing_the_names_loads_none_of_them() -> None:
 
 def test_a_function_stays_one_when_packages_are_imported() -> None:
     """A submodule of the same name would take its place."""
-    import vpf_sim.cli.report
+    import vpf_sim.cli.runs
     import vpf_sim.reporting.page
 
     assert all(callable(function) for function in (vpf_sim.drive, vpf_sim.sweep, vpf_sim.report))

@@ -128,7 +128,7 @@ def test_junit(tmp_path: Path) -> None:
     (failure,) = root.iter("failure")
     assert "for seed in 3 5 8; do vpf-sim drive town04" in str(failure.text)
 
-    from vpf_sim.reporting.junit import write_junit
+    from vpf_sim.reporting.check_files import write_junit
 
     write_junit([Check(Cell(odd, odd, odd), odd, odd, "failed", (1,))], out)
     (failure,) = Xml.fromstring(out.read_bytes()).iter("failure")
@@ -185,7 +185,7 @@ def test_terminal_and_markdown_list_the_same_lost_drives_first(
 
 
 def test_a_name_has_no_meaning_in_markdown(tmp_path: Path) -> None:
-    from vpf_sim.reporting.check_markdown import write_markdown
+    from vpf_sim.reporting.check_files import write_markdown
 
     name = "a|b\n*c* <img>"
     write_markdown([Check(Cell(name, "clear", "vpf"), "x", "y", "passed")], tmp_path / "out.md")

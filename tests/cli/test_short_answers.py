@@ -11,7 +11,7 @@ from vpf_sim import cli
 from vpf_sim.cli.results import print_rows
 from vpf_sim.evaluation.analysis.rows import Cell
 from vpf_sim.evaluation.gate.checks import NO_SUCCESS, Check, listed
-from vpf_sim.reporting.stored_run import open_run
+from vpf_sim.reporting.run_data import open_run
 
 MOST_LINES = 20
 

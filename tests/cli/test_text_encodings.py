@@ -13,7 +13,7 @@ from stored import record, store
 from vpf_sim import cli
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import write_json
-from vpf_sim.reporting.stored_run import open_run
+from vpf_sim.reporting.run_data import open_run
 
 ENCODINGS = {
     "utf-8": lambda text: codecs.BOM_UTF8 + text.encode(),

@@ -15,8 +15,7 @@ from vpf_sim.datasets.contents import Contents
 from vpf_sim.datasets.datasheet import spans
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.sweeps.run_folder import write_json
-from vpf_sim.reporting.run_data import RunData
-from vpf_sim.reporting.stored_run import open_run
+from vpf_sim.reporting.run_data import RunData, open_run
 
 SMALL = ["--format", "minari", "--size", "32x24", "--grey"]
 

@@ -13,7 +13,7 @@ import pytest
 from conftest import SIZE
 from driven_short import SEED, STOPS_AT, Driven
 
-from vpf_sim.reporting.stored_run import open_run
+from vpf_sim.reporting.run_data import open_run
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from vpf_sim import scenarios
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.rectangles import solid_objects
 from vpf_sim.evaluation.steps import Step, StepTable
-from vpf_sim.reporting import commands, paths
+from vpf_sim.reporting import figures, paths
 from vpf_sim.reporting.kit import interval_chart
 from vpf_sim.reporting.kit.chart import Axis, Plot, plain, reach, thinned, ticks
 from vpf_sim.reporting.kit.interval_chart import Dot, Mark
@@ -162,7 +162,7 @@ def test_with_a_road_per_seed_the_map_shows_one() -> None:
 def test_commands_are_drawn_with_the_pids() -> None:
     layout = RoadLayout(scenarios.load("straight").draw(1), 1)
     table = drive(layout, 0.0)
-    svg = str(commands.charts("straight.clear.vpf.1", "d0", table).steering)
+    svg = str(figures.charts("straight.clear.vpf.1", "d0", table).steering)
     assert len(paths_of(svg, "command d0")) == 1
     assert paths_of(svg, "shadow") == [], "nothing is drawn of what is not known"
 

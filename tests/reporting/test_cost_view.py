@@ -11,7 +11,7 @@ from vpf_sim.planning.lane.frame import NOTHING, Lane
 from vpf_sim.planning.lane.lateral_cost import CostProfile
 from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.reporting import cost_view
-from vpf_sim.reporting.compass import REFERENCE
+from vpf_sim.reporting.top_view import REFERENCE
 from vpf_sim.types import Camera, Plan
 
 LEFT_M, RIGHT_M, WIDTH_PX = -8.75, 5.25, 640

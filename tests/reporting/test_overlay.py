@@ -9,7 +9,7 @@ from vpf_sim.geometry import project
 from vpf_sim.planning.lane.frame import Lane
 from vpf_sim.planning.paper.planner import PaperPlan
 from vpf_sim.reporting import overlay
-from vpf_sim.reporting.compass import RADIUS, TOTAL
+from vpf_sim.reporting.top_view import RADIUS, TOTAL
 from vpf_sim.types import (
     Camera,
     Expansion,

@@ -22,9 +22,9 @@ from vpf_sim.evaluation.sweeps.manifest import Manifest
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 from vpf_sim.reporting import episode_view, redraw, top_view
+from vpf_sim.reporting.episode_view import Strips, signals_of
 from vpf_sim.reporting.redraw import Redrawing, redrawing
-from vpf_sim.reporting.signals import Strips, signals_of
-from vpf_sim.reporting.stored_run import open_run
+from vpf_sim.reporting.run_data import open_run
 from vpf_sim.reporting.top_view import Rectangle, Scene
 from vpf_sim.types import Command, DriverSetup, Observation
 from vpf_sim.types import Plan as DrivingPlan

@@ -27,7 +27,7 @@ from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 from vpf_sim.reporting import answer, cells, clips, page
 from vpf_sim.reporting.cells import DRIVING, Order
-from vpf_sim.reporting.stored_run import open_run
+from vpf_sim.reporting.run_data import open_run
 
 VOID = {"meta", "link", "br"}
 BLOCKED = SHORT + '[[bodies]]\nkind = "barrier"\ns_m = 9.0\nlane = 2\n'

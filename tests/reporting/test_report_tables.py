@@ -8,7 +8,7 @@ from vpf_sim.evaluation.analysis.rows import Cell, Comparison, Row, read_summary
 from vpf_sim.evaluation.analysis.statistics import Difference, Interval
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.records import Record
-from vpf_sim.reporting import accuracy, failures, success_map, tables
+from vpf_sim.reporting import endings, tables
 from vpf_sim.reporting.cells import Order
 
 ORDER = Order(("town04",), ("clear", "rain"), ("vpf", "pid"))
@@ -39,14 +39,14 @@ def words(table: tables.Table | None) -> list[list[str]]:
 
 
 def test_accuracy_is_shown_by_definition_and_protocol() -> None:
-    found = accuracy.by_definition([row(), row("pid"), row(weather="rain", successes=0)], ORDER, "steering")
+    found = tables.by_definition([row(), row("pid"), row(weather="rain", successes=0)], ORDER, "steering")
     assert words(found) == [["town04", "clear", "vpf", "80.0", "70.0", "60.0", "40.0", "30.0", "20.0"]]
-    assert accuracy.by_definition([row("pid")], ORDER, "steering") is None
+    assert tables.by_definition([row("pid")], ORDER, "steering") is None
 
 
 def test_the_papers_accuracy_is_shown_beside_ours() -> None:
     paper = {"throttle": 0.8234, "steering": 0.7214, "path_mse_m2": 0.42}
-    found = accuracy.by_definition([row(paper=paper)], ORDER, "throttle")
+    found = tables.by_definition([row(paper=paper)], ORDER, "throttle")
     assert found is not None
     assert found.header[3] == "the paper, undefined"
     assert words(found)[0][3:5] == ["82.34", "90.0"]
@@ -54,9 +54,9 @@ def test_the_papers_accuracy_is_shown_beside_ours() -> None:
 
 def test_scores_are_shown_by_part_of_the_route_with_obstacles() -> None:
     empty = row(weather="rain", path_mse_parts_m2={"clear_of_obstacles": 0.01, "passing": None})
-    found = accuracy.by_part([empty, row()], ORDER)
+    found = tables.by_part([empty, row()], ORDER)
     assert words(found) == [["town04", "clear", "vpf", "0.010", "1.500", "90.0", "70.0", "80.0", "60.0"]]
-    assert accuracy.by_part([empty], ORDER) is None
+    assert tables.by_part([empty], ORDER) is None
 
 
 def test_perception_has_a_table_of_the_frame_and_one_of_objects() -> None:
@@ -70,8 +70,8 @@ def test_perception_has_a_table_of_the_frame_and_one_of_objects() -> None:
 def test_of_drives_that_did_not_arrive_tables_show_perception_alone_in_brackets() -> None:
     lost = row(successes=0)
     assert words(tables.perception([lost], ORDER, tables.PERCEPTION)) == [["town04", "clear", "vpf", "(1.50)", "(100)"]]
-    assert accuracy.by_definition([lost], ORDER, "throttle") is None
-    assert accuracy.by_part([lost], ORDER) is None
+    assert tables.by_definition([lost], ORDER, "throttle") is None
+    assert tables.by_part([lost], ORDER) is None
 
 
 def test_the_needed_seeds_are_listed() -> None:
@@ -109,9 +109,7 @@ def test_equal_failures_are_grouped() -> None:
         failed(5, "error"),
         failed(1, driver="pid"),
     ]
-    found = failures.endings(
-        records, {"town04.clear.vpf.4": "ValueError: a", "town04.clear.vpf.5": "ValueError: b"}.get
-    )
+    found = endings.endings(records, {"town04.clear.vpf.4": "ValueError: a", "town04.clear.vpf.5": "ValueError: b"}.get)
     assert [(one.driver, one.status, one.collided_with, one.reason, one.seeds) for one in found] == [
         ("vpf", "collision", "car", "", (1, 3)),
         ("vpf", "collision", "cone", "", (2,)),
@@ -124,14 +122,14 @@ def test_equal_failures_are_grouped() -> None:
 
 
 def test_consecutive_seeds_are_ranges() -> None:
-    assert failures.ranges([3, 5, 6, 8, 9, 10, 12]) == "3, 5, 6, 8–10, 12"
-    assert failures.ranges(list(range(1000, 1030))) == "1000–1029"
+    assert endings.ranges([3, 5, 6, 8, 9, 10, 12]) == "3, 5, 6, 8–10, 12"
+    assert endings.ranges(list(range(1000, 1030))) == "1000–1029"
 
 
 def test_the_success_map_has_each_planned_seed_in_blocks_of_ten() -> None:
     jobs = [Job("town04", "clear", "vpf", seed) for seed in range(995, 1018)]
     records = {job.id: failed(job.seed, "success") for job in jobs[:20]}
-    (shown,) = success_map.rows(jobs, records, ORDER)
+    (shown,) = endings.rows(jobs, records, ORDER)
     assert [(block[0][0], len(block)) for block in shown.blocks] == [(995, 10), (1005, 10), (1015, 3)]
     assert [status for _, status, _ in shown.marks] == 20 * ["success"] + 3 * ["missing"]
-    assert success_map.signs(jobs, records) == [("success", "✓", 20), ("missing", "·", 3)]
+    assert endings.signs(jobs, records) == [("success", "✓", 20), ("missing", "·", 3)]

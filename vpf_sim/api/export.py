@@ -45,8 +45,7 @@ def export(
     from vpf_sim.datasets.lerobot import LeRobot
     from vpf_sim.datasets.minari_format import Minari
     from vpf_sim.evaluation.sweeps.sweep import default_workers
-    from vpf_sim.reporting.run_data import RunData
-    from vpf_sim.reporting.stored_run import open_run
+    from vpf_sim.reporting.run_data import RunData, open_run
 
     if format not in FORMATS:
         raise unknown_name("format", str(format), FORMATS)

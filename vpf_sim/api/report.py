@@ -27,7 +27,7 @@ def report(
     where a folder holds no run, and where two runs share no episode.
     """
     from vpf_sim.reporting import compare_page, page
-    from vpf_sim.reporting.stored_run import open_run
+    from vpf_sim.reporting.run_data import open_run
     from vpf_sim.reporting.two_runs import open_two
 
     if type(clips) is not int or clips < 0:

@@ -8,7 +8,7 @@ from vpf_sim.api.paths import StrPath, text
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.scores import Json
 from vpf_sim.evaluation.sweeps.run_folder import located
-from vpf_sim.reporting.stored_run import open_run
+from vpf_sim.reporting.run_data import open_run
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -1,4 +1,4 @@
-"""The command line `vpf-sim`: one file per command, which imports its dependencies when it runs."""
+"""The command line `vpf-sim`; a command imports what it needs when it runs."""
 
 import os
 import sys
@@ -9,20 +9,15 @@ import typer
 
 from vpf_sim import __version__, system
 from vpf_sim.cli import (
-    benchmark,
     check,
-    doctor,
     drive,
     drivers,
     export,
+    machine,
     perception,
-    profile,
     replay,
-    report,
-    reproduce,
-    results_page,
+    runs,
     scenarios,
-    score,
     streams,
     sweep,
     video,
@@ -78,18 +73,18 @@ def options(
 COMMANDS: tuple[Callable[..., None], ...] = (
     drive.drive,
     sweep.sweep,
-    benchmark.benchmark,
+    sweep.benchmark,
     replay.replay,
-    score.score,
-    report.report,
-    results_page.results,
-    reproduce.reproduce,
+    runs.score,
+    runs.report,
+    runs.results,
+    sweep.reproduce,
     video.video,
     export.export,
     check.check,
     perception.perception,
-    profile.profile,
-    doctor.doctor,
+    machine.profile,
+    machine.doctor,
 )
 for one in COMMANDS:
     app.command(one.__name__, cls=Command)(one)

@@ -37,8 +37,7 @@ def check(
     from vpf_sim.evaluation.gate import gate
     from vpf_sim.evaluation.gate.cells import read_run
     from vpf_sim.evaluation.gate.rules import DEFAULT_RULES, read_rules
-    from vpf_sim.reporting.check_markdown import write_markdown
-    from vpf_sim.reporting.junit import write_junit
+    from vpf_sim.reporting.check_files import write_junit, write_markdown
 
     junit, markdown = output_file("junit", junit), output_file("markdown", markdown)
     if junit is not None and junit == markdown:

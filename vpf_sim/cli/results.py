@@ -1,4 +1,4 @@
-"""Text tables of sweeps."""
+"""The tables of sweeps on the terminal."""
 
 import json
 from collections.abc import Sequence

@@ -1,10 +1,18 @@
-"""`vpf-sim sweep`: a grid of scenarios, weathers, drivers and seeds."""
+"""Commands that drive many episodes: `vpf-sim sweep`, `benchmark` and `reproduce`."""
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vpf_sim.cli.options import DriversOption, ScenariosOption, WeathersOption, print_json, prints_on_stderr
+from vpf_sim.cli.options import (
+    DriverOption,
+    DriversOption,
+    ScenariosOption,
+    WeathersOption,
+    print_json,
+    prints_on_stderr,
+)
 from vpf_sim.cli.run_options import RunOptions, fill, plan_of, with_run_options
 from vpf_sim.cli.tables import print_table
 from vpf_sim.shell import command
@@ -22,6 +30,9 @@ FileArgument = Annotated[
 ]
 DryRunOption = Annotated[bool, typer.Option("--dry-run", help="Show what would be driven; drive and write nothing.")]
 DEFAULTS: dict[str, Any] = {"scenario": ["town04"], "weather": ["clear"], "driver": ["vpf"], "seeds": "0:5"}
+ReportOption = Annotated[bool, typer.Option("--report/--no-report", help="Write report.html, with videos of failures.")]
+if TYPE_CHECKING:
+    from vpf_sim.reporting.paper_page import Answer
 
 
 @with_run_options
@@ -96,3 +107,73 @@ def print_plan(plan: "Plan", run: RunOptions) -> None:
 
 def _counted(count: int, what: str) -> str:
     return f"{count} {what}" + "s" * (count != 1)
+
+
+@with_run_options
+def benchmark(run: RunOptions, driver: DriversOption = None, report: ReportOption = True) -> None:
+    """Measure the paper's table: Town04 in clear weather and rain.
+
+    It is driven without and with obstacles, by the paper's method, ours and the PID.
+    """
+    from vpf_sim.api.report import report as write_report
+    from vpf_sim.cli.results import exit_code, print_benchmark, stored_summary
+    from vpf_sim.evaluation.analysis.benchmark import plan as benchmark_plan
+
+    plan = plan_of(run, bool(run.seeds or driver), lambda: benchmark_plan(run.seeds, driver or []))
+    path = fill("benchmark", plan, run)
+    summary = stored_summary(path)
+    with prints_on_stderr():
+        page = write_report(path).page if report else None
+    if run.json:
+        print_json({"out": str(path), "seeds": plan.seeds, **summary.as_json()})
+    else:
+        print_benchmark(summary.rows, plan.seeds)
+        print(f"All definitions, intervals and differences: {page or command('report', path)}")
+    raise typer.Exit(exit_code(summary))
+
+
+@with_run_options
+def reproduce(run: RunOptions, driver: DriverOption = "vpf-paper") -> None:
+    """Repeat the paper's experiment with its own control law.
+
+    Its four conditions are driven; table, claims and figures are compared with the paper's.
+    """
+    from vpf_sim.cli.options import prints_on_stderr
+    from vpf_sim.cli.results import exit_code, stored_summary
+    from vpf_sim.cli.run_options import fill, plan_of
+    from vpf_sim.evaluation.analysis import reproduction
+    from vpf_sim.reporting import paper_page
+    from vpf_sim.reporting.run_data import open_run
+
+    plan = plan_of(run, bool(run.seeds), lambda: reproduction.plan(run.seeds, driver))
+    path = fill("reproduce", plan, run)
+    stored, tested = open_run(path), plan.driver[0]
+    drives = paper_page.drives_of(stored, tested)
+    found = paper_page.answer(stored, tested, drives)
+    with prints_on_stderr():
+        page = paper_page.write(path, drives, found)
+    if run.json:
+        print_json({"out": str(path), "seeds": plan.seeds, **asdict(found)})
+    else:
+        print(f"{tested} on the paper's road, seeds {plan.seeds}:\n")
+        _print_paper(found)
+        print(f"\ntable, claims and figures: {page}")
+    raise typer.Exit(exit_code(stored_summary(path)))
+
+
+def _print_paper(found: "Answer") -> None:
+    """The table, then the claims."""
+    from vpf_sim.cli.tables import number, print_table
+
+    lines = [
+        (
+            f"{row.weather}, {row.scenario}",
+            f"{row.successes} of {row.episodes}",
+            *map(number, (row.paper["path_mse_m2"], row.lane_mse_m2, row.clearance_m)),
+        )
+        for row in found.cells
+    ]
+    print_table(("condition", "reached", "paper's MSE m2", "MSE m2", "clearance m"), lines)
+    print("\nThe paper's claims:\n")
+    for one in found.claims:
+        print(f"  {one.verdict}: {one.claim}\n      {one.measured}")

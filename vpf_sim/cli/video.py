@@ -32,7 +32,7 @@ def video(
     """Re-render an episode: camera, top view and signals."""
     from vpf_sim.evaluation.processes.threads import limit_opencv
     from vpf_sim.reporting.redraw import redrawing
-    from vpf_sim.reporting.stored_run import open_run
+    from vpf_sim.reporting.run_data import open_run
     from vpf_sim.reporting.video import require
 
     require("video")

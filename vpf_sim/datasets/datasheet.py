@@ -10,7 +10,7 @@ from vpf_sim.datasets.contents import Contents
 from vpf_sim.datasets.formats import Written
 from vpf_sim.evaluation.sweeps.fingerprint import commit_of
 from vpf_sim.reporting.cells import shown
-from vpf_sim.reporting.stored_run import StoredRun
+from vpf_sim.reporting.run_data import StoredRun
 
 MOST_LISTED = 20
 TRUTHS = {

@@ -15,8 +15,7 @@ from vpf_sim.errors import InputError, option, unknown_name
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.processes import pool
 from vpf_sim.files import new_folder, write_text
-from vpf_sim.reporting.run_data import RunData
-from vpf_sim.reporting.stored_run import StoredRun
+from vpf_sim.reporting.run_data import RunData, StoredRun
 
 Task = tuple[Place, Record]
 

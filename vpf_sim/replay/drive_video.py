@@ -11,7 +11,7 @@ from vpf_sim.replay.frame_table import FrameRow
 from vpf_sim.replay.open_loop_driver import Decision
 from vpf_sim.reporting import overlay
 from vpf_sim.reporting.canvas import Canvas
-from vpf_sim.reporting.signals import LINE, PAPER, PID, RULE, SOFT, write
+from vpf_sim.reporting.episode_view import LINE, PAPER, PID, RULE, SOFT, write
 from vpf_sim.reporting.video import Writer
 from vpf_sim.types import Camera, Floats, Image
 

@@ -13,7 +13,7 @@ from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.reporting import episode_view
 from vpf_sim.reporting.kit.clip import Clip
 from vpf_sim.reporting.redraw import redrawing
-from vpf_sim.reporting.stored_run import StoredRun
+from vpf_sim.reporting.run_data import StoredRun
 from vpf_sim.reporting.video import Writer
 from vpf_sim.types import Image
 

@@ -6,7 +6,7 @@ from typing import Any
 from vpf_sim.evaluation.analysis.statistics import share_interval
 from vpf_sim.evaluation.metrics.registry import SUCCESS
 from vpf_sim.evaluation.sweeps.manifest import change
-from vpf_sim.reporting import answer, changes, failures, video
+from vpf_sim.reporting import answer, changes, endings, video
 from vpf_sim.reporting.cells import shown
 from vpf_sim.reporting.kit import interval_chart
 from vpf_sim.reporting.kit.interval_chart import Dot
@@ -47,7 +47,7 @@ def title(runs: TwoRuns) -> str:
         answer.listed([name for name in dict.fromkeys(column) if AGAINST not in name]) for column in columns
     )
     days = dict.fromkeys(answer.day(begun) for one in (runs.b, runs.a) if (begun := one.run.begun))
-    seeds = failures.ranges(sorted({pair.jobs[0].seed for pair in runs.pairs}))
+    seeds = endings.ranges(sorted({pair.jobs[0].seed for pair in runs.pairs}))
     what = f"{runs.labels[1]} against {runs.labels[0]}{f': {drivers}' if drivers else ''} on {scenarios}"
     return " — ".join(filter(None, (what, weathers, f"seeds {seeds}", " against ".join(days))))
 

@@ -8,7 +8,7 @@ from vpf_sim.planning.lane.frame import LaneObstacles
 from vpf_sim.planning.lane.lateral_cost import CostProfile
 from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.reporting.canvas import INK, Canvas, Colour
-from vpf_sim.reporting.compass import OBSTACLE, REFERENCE, ROAD, TARGET
+from vpf_sim.reporting.top_view import OBSTACLE, REFERENCE, ROAD, TARGET
 from vpf_sim.types import Camera, Floats, Image, Plan
 
 AHEAD_M = 45.0

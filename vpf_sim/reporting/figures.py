@@ -3,23 +3,57 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+from markupsafe import Markup
+
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.analysis.rows import Row
 from vpf_sim.evaluation.metrics.metric import Metric
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.metrics.registry import columns
-from vpf_sim.reporting import commands, paths
+from vpf_sim.evaluation.steps import StepTable
+from vpf_sim.reporting import paths
 from vpf_sim.reporting.cells import Order, shown
-from vpf_sim.reporting.commands import CommandCharts
 from vpf_sim.reporting.kit import interval_chart
-from vpf_sim.reporting.kit.chart import Figure
+from vpf_sim.reporting.kit.chart import Axis, Figure, Plot, reach
 from vpf_sim.reporting.paths import Track
 from vpf_sim.reporting.road_layout import layouts
-from vpf_sim.reporting.run_data import RunData
-from vpf_sim.reporting.stored_run import StoredRun
+from vpf_sim.reporting.run_data import RunData, StoredRun
+from vpf_sim.types import Floats
 
 MOST_TRACKS = 30  # seeds with drawn paths
 MOST_PATHS, MOST_COMMANDS = 12, 6  # pairs of scenario and weather
+WIDTH, HEIGHT = 360.0, 130.0
+MOST = 1.06  # the largest end of an axis, slightly beyond the command limit
+LEAST = 0.3  # least range of an axis
+
+
+@dataclass(frozen=True, slots=True)
+class CommandCharts:
+    """The command charts of one episode."""
+
+    episode: str
+    throttle: Markup
+    steering: Markup
+
+
+def charts(episode: str, style: str, table: StepTable) -> CommandCharts:
+    """The driver's commands, the PID's in the same states, and those of its own run at the same distances."""
+    throttle = _chart(table, (table.throttle, table.pid_throttle, table.paired_throttle), style, "throttle", episode)
+    steering = _chart(table, (table.steering, table.pid_steering, table.paired_steering), style, "steering", episode)
+    return CommandCharts(episode, throttle, steering)
+
+
+def _chart(table: StepTable, series: tuple[Floats, Floats, Floats], style: str, name: str, episode: str) -> Markup:
+    values = np.concatenate([[0.0], *series])
+    values = values[np.isfinite(values)]
+    low, high = reach([float(values.min()), float(values.max())], LEAST)
+    low, high = max(low, -MOST), min(high, MOST)
+    plot = Plot(WIDTH, HEIGHT, Axis(0.0, float(table.route_m[-1]), "distance, m"), Axis(low, high, name))
+    plot.grid()
+    for signal, stroke in zip(series[::-1], ("own", "shadow", f"command {style}"), strict=True):
+        plot.signal(table.route_m, signal, stroke)
+    return plot.svg(f"{episode}: {name} over distance")
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +126,7 @@ def _commands(run: StoredRun, order: Order, records: Sequence[Record]) -> Iterat
     for record in records:
         table = run.steps(record.id)
         if table is not None:
-            yield commands.charts(record.id, order.style(record.driver), table)
+            yield charts(record.id, order.style(record.driver), table)
 
 
 def scores(rows: Sequence[Row], order: Order) -> Iterator[Figure]:

@@ -10,7 +10,7 @@ from vpf_sim.geometry import distort
 from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.planning.paper.planner import PaperPlan
 from vpf_sim.reporting.canvas import INK, SHADE, Canvas, Colour
-from vpf_sim.reporting.compass import OBSTACLE, REFERENCE, draw_compass
+from vpf_sim.reporting.top_view import OBSTACLE, REFERENCE, draw_compass
 from vpf_sim.types import Camera, Floats, Image, Perception, Plan, RoadEdges
 
 EDGE: Colour = (92, 220, 255)

@@ -4,13 +4,12 @@ from collections.abc import Callable
 from typing import Any
 
 from vpf_sim.errors import InputError
-from vpf_sim.reporting import accuracy, answer, cells, clips, failures, figures, success_map, tables, video
+from vpf_sim.reporting import answer, cells, clips, endings, figures, tables, video
 from vpf_sim.reporting.cells import shown
 from vpf_sim.reporting.clips import EpisodeClip
 from vpf_sim.reporting.kit import interval_chart
 from vpf_sim.reporting.kit.page import render
-from vpf_sim.reporting.run_data import RunData
-from vpf_sim.reporting.stored_run import StoredRun
+from vpf_sim.reporting.run_data import RunData, StoredRun
 from vpf_sim.shell import command
 
 MOST_LISTED = 40  # groups of failures
@@ -65,11 +64,11 @@ def _tables(run_data: RunData) -> dict[str, Any]:
         "groups": cells.groups(rows, order),
         "open_groups": MOST_OPEN,
         "has_paper": any(row.paper for row in rows),
-        "accuracies": [(name, accuracy.by_definition(rows, order, name)) for name in accuracy.SIGNALS],
-        "parts": accuracy.by_part(rows, order),
-        "map": list(success_map.rows(run_data.jobs, run_data.records, order)),
-        "signs": success_map.signs(run_data.jobs, run_data.records),
-        "sign_of": success_map.SIGNS,
+        "accuracies": [(name, tables.by_definition(rows, order, name)) for name in tables.SIGNALS],
+        "parts": tables.by_part(rows, order),
+        "map": list(endings.rows(run_data.jobs, run_data.records, order)),
+        "signs": endings.signs(run_data.jobs, run_data.records),
+        "sign_of": endings.SIGNS,
         "weather_differences": tables.comparisons(compared, "weather", order),
         "driver_differences": tables.comparisons(compared, "driver", order),
         "seeds_needed": tables.seeds_needed(rows, order),
@@ -82,12 +81,12 @@ def _tables(run_data: RunData) -> dict[str, Any]:
 
 
 def _failures(run_data: RunData) -> dict[str, Any]:
-    found = failures.endings(run_data.failures(), run_data.run.reason)
+    found = endings.endings(run_data.failures(), run_data.run.reason)
     example = found[0].example if found else ""
     return {
         "video_remedy": "" if video.is_available() else video.INSTALL,
         "example": example if example and run_data.run.steps(example) is not None else "",
-        "failures": failures.table(found[:MOST_LISTED]),
+        "failures": endings.table(found[:MOST_LISTED]),
         "failed": len(run_data.failures()),
         "unlisted": sum(len(ending.seeds) for ending in found[MOST_LISTED:]),
     }

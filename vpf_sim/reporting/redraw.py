@@ -19,7 +19,7 @@ from vpf_sim.evaluation.episode.pose_playback import PosePlayback, rate_of
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import StepTable
-from vpf_sim.reporting.stored_run import StoredRun
+from vpf_sim.reporting.run_data import StoredRun
 from vpf_sim.reporting.top_view import Rectangle, Scene
 from vpf_sim.types import Camera, Command, Driver, Image, Observation, Plan
 

@@ -12,8 +12,7 @@ from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.seeds import parse_seeds
 from vpf_sim.reporting.cells import cell, driver_row, shown, text_of
 from vpf_sim.reporting.kit.table import NONE, Cell, Table, Value
-from vpf_sim.reporting.run_data import RunData
-from vpf_sim.reporting.stored_run import open_run
+from vpf_sim.reporting.run_data import RunData, open_run
 from vpf_sim.reporting.tables import OBJECTS, PERCEPTION, perception
 
 DEVELOPMENT_SEEDS_BELOW = 1000

@@ -1,14 +1,15 @@
-"""Further tables of a report: perception, comfort, compute, paired differences, seeds needed."""
+"""Further tables of a report: accuracy, perception, comfort, compute, paired differences, seeds needed."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from statistics import median
 
+from vpf_sim.evaluation.analysis.comparisons import BASE_DRIVER
 from vpf_sim.evaluation.analysis.rows import Comparison, Row
 from vpf_sim.evaluation.analysis.statistics import Difference
 from vpf_sim.evaluation.analysis.summary import WIDTHS
 from vpf_sim.evaluation.metrics.metric import Metric
 from vpf_sim.evaluation.metrics.records import Record, Timing
-from vpf_sim.evaluation.metrics.registry import COMFORTABLE, FOE, PATH_MSE, SUCCESS, columns
+from vpf_sim.evaluation.metrics.registry import BY_PART, COMFORTABLE, FOE, PASSING, PATH_MSE, SUCCESS, columns
 from vpf_sim.reporting.cells import Order, ends_of, shown, text_of
 from vpf_sim.reporting.kit.table import NONE, Line, Table, Value, formatted, interval_text
 
@@ -36,6 +37,8 @@ COMFORT = {  # nuPlan's signals and bounds
 }
 REAL_TIME_HZ = 60.0
 MOST_DIGITS = 7  # of a difference
+SIGNALS = ("throttle", "steering")
+WHERE = ("scenario", "weather", "driver")
 
 
 def perception(rows: Sequence[Row], order: Order, metrics: Sequence[Metric]) -> Table | None:
@@ -172,3 +175,30 @@ def _inside(within: Sequence[float | None]) -> Value:
 def names(row: Row) -> tuple[str, str, str]:
     """Scenario, weather and driver as the first columns."""
     return shown(row.scenario), shown(row.weather), row.driver
+
+
+def by_definition(rows: Sequence[Row], order: Order, signal: str) -> Table | None:
+    """A signal's accuracy in percent, one row per cell."""
+    metrics = columns(signal)
+    others = [row for row in order.sorted(rows) if row.driver != BASE_DRIVER]
+    shown = [row for row in others if any(row[metric] is not None for metric in metrics)]
+    lines: tuple[Line, ...] = tuple(
+        (*names(row), *_paper(row, signal), *(score(row, metric) for metric in metrics)) for row in shown
+    )
+    paper = ["the paper, undefined"] if any(_paper(row, signal) for row in shown) else []
+    return Table((*WHERE, *paper, *(metric.title for metric in metrics)), lines, 3) if lines else None
+
+
+def by_part(rows: Sequence[Row], order: Order) -> Table | None:
+    """Path MSE and accuracies clear of obstacles and passing one, one row per cell with obstacles."""
+    shown = [row for row in order.sorted(rows) if row[PASSING] is not None]
+    lines: tuple[Line, ...] = tuple((*names(row), *(score(row, metric) for metric in BY_PART)) for row in shown)
+    return Table((*WHERE, *(metric.title for metric in BY_PART)), lines, 3) if lines else None
+
+
+def _paper(row: Row, signal: str) -> tuple[Value, ...]:
+    """The paper's value; empty in other runs."""
+    if not row.paper:
+        return ()
+    value = row.paper[signal]
+    return (Value(formatted(value, 2, True), value=value),)

@@ -17,8 +17,7 @@ from vpf_sim.evaluation.metrics.registry import SUCCESS, columns
 from vpf_sim.evaluation.scores import Json
 from vpf_sim.reporting.answer import title
 from vpf_sim.reporting.cells import shown
-from vpf_sim.reporting.run_data import RunData
-from vpf_sim.reporting.stored_run import open_run
+from vpf_sim.reporting.run_data import RunData, open_run
 
 Verdict = Literal["better", "worse", "same", "undecided"]
 Cell = tuple[str, str, str]  # scenario, weather, driver

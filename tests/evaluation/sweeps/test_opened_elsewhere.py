@@ -14,7 +14,7 @@ from vpf_sim import cli, scenarios
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.sweeps.plan import make_plan
 from vpf_sim.evaluation.sweeps.run_folder import located
-from vpf_sim.reporting.stored_run import open_run
+from vpf_sim.reporting.run_data import open_run
 
 NAME = "short.toml"
 DRIVERS = {"neutral", "vpf@mine.toml"}

@@ -12,7 +12,7 @@ from stored import record, store
 from vpf_sim import cli
 from vpf_sim.evaluation.analysis.summary import summarize
 from vpf_sim.evaluation.sweeps.plan import Plan
-from vpf_sim.reporting.stored_run import open_run
+from vpf_sim.reporting.run_data import open_run
 
 PLAN = Plan(("straight",), ("clear", "rain"), ("pid",), "0:2")
 Break = Callable[[Any], Any]
