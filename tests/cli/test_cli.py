@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from short_scenario import SHORT, write_short
+from short_scenario import write_short
 
 from vpf_sim import cli
 
@@ -69,49 +69,6 @@ def test_wrong_use_is_one_clear_line(
     assert said.err.startswith(f"vpf-sim: {sentence}")
     assert said.err.count("\n") == 1
     assert list(tmp_path.iterdir()) == [], "nothing is left behind"
-
-
-@pytest.mark.parametrize(
-    ("before", "after", "sentence"),
-    [
-        ("s_m = 11.0", "s_n = 11.0", "goal.s_n: unknown key, did you mean 's_m'?"),
-        ("segments", "lane_width_m = -3.5\nsegments", "road.lane_width_m: expected"),
-        ("[vary]", '[[bodies]]\nkind = "car"\ns_m = 8.0\nlane = 1\nlateral_m = 3.0\n[vary]', "obstacle off the road"),
-        ("[goal]", "[goal", "expected TOML"),
-    ],
-)
-def test_a_wrong_scenario_file_is_reported_by_file_and_key(
-    before: str, after: str, sentence: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    path = tmp_path / "mine.toml"
-    path.write_text(SHORT.replace(before, after))
-    for command in (["scenarios", "validate", str(path)], ["drive", str(path), "--driver", "pid"]):
-        assert cli.run(command) == 2
-        lines = capsys.readouterr().err.splitlines()
-        assert any(line.startswith(f"vpf-sim: {path}: ") and sentence in line for line in lines)
-
-
-@pytest.mark.parametrize(
-    ("text", "sentence"),
-    [
-        ('scenaro = ["town04"]', "scenaro: unknown key, did you mean 'scenario'?"),
-        ('scenario = "town04"', "scenario: expected a list, got 'town04'"),
-        ("scenario = [4]", "scenario[0]: expected a string, got 4"),
-        ('seeds = "9:9"', "seeds: expected A:B with A below B, got '9:9', which holds no seed"),
-        ("seeds = 5", "seeds: expected a string, got 5"),
-        ("driver = []", "driver: expected at least one, got none"),
-        ("weather = [", "expected TOML"),
-    ],
-)
-def test_a_wrong_sweep_file_is_reported_by_file_and_key(
-    text: str, sentence: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    path = tmp_path / "sweep.toml"
-    path.write_text(text)
-    assert cli.run(["sweep", str(path)]) == 2
-    said = capsys.readouterr().err
-    assert sentence in said
-    assert said.count("\n") == 1
 
 
 def test_a_run_folder_is_not_overwritten(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

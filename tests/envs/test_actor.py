@@ -117,27 +117,6 @@ def test_a_car_that_cuts_in_ends_in_the_egos_lane() -> None:
     assert car.heading == pytest.approx(0.0)
 
 
-FAULTS = [
-    ("manoeuvres = [{lateral_m = 1.0}]", "bodies[0].manoeuvres[0]: expected either after_s or within_m, got neither"),
-    (
-        "manoeuvres = [{after_s = 1.0, within_m = 2.0, speed_mps = 1.0}]",
-        "bodies[0].manoeuvres[0]: expected either after_s or within_m, got both",
-    ),
-    ("manoeuvres = [{after_s = 1.0}]", "bodies[0].manoeuvres[0]: expected speed_mps, lateral_m or both, got neither"),
-    (
-        "manoeuvres = [{after_s = 1.0, lateral_m = 30.0}]",
-        "bodies[0].manoeuvres[0].lateral_m: expected a place within 11.25 m of the carriageway's centre, got 30",
-    ),
-]
-
-
-@pytest.mark.parametrize(("lines", "message"), FAULTS)
-def test_each_fault_of_a_manoeuvre_is_one_line(lines: str, message: str) -> None:
-    with pytest.raises(InputError) as raised:
-        world(f'kind = "car"\ns_m = 60.0\nlane = 2\nspeed_mps = 8.0\n{lines}')
-    assert str(raised.value) == f"road.toml: {message}"
-
-
 def test_what_cannot_move_has_no_manoeuvres() -> None:
     with pytest.raises(InputError, match="expected none for a cone, which cannot move"):
         world('kind = "cone"\ns_m = 60.0\nlane = 2\nmanoeuvres = [{after_s = 1.0, speed_mps = 1.0}]')

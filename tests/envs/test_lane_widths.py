@@ -133,20 +133,6 @@ def test_a_mirrored_road_has_the_lanes_on_the_other_side() -> None:
     assert mirrored(after).road.widths == before.road.widths
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "line"),
-    [
-        ("[2.5, 5.0]", "[2.5]", "road.widths[1].lanes_m: expected 2 widths, one for each lane, got 1"),
-        ("s_m = 100.0", "s_m = 40.0", "road.widths[1].s_m: expected more than 40, as before, got 40"),
-        ("[2.5, 5.0]", "[2.5, -5.0]", "road.widths[1].lanes_m[1]: expected > 0, got -5.0"),
-    ],
-)
-def test_a_fault_of_the_widths_is_one_line(old: str, new: str, line: str) -> None:
-    with pytest.raises(InputError) as caught:
-        scenario(ROAD.replace(old, new) + REST)
-    assert str(caught.value) == f"test.toml: {line}"
-
-
 def test_an_object_beyond_a_narrow_place_is_refused() -> None:
     """The left lane's middle is 2 m from the centre where the road is 7 m wide: half a truck is beyond its edge."""
     body = '[[bodies]]\nkind = "truck"\ns_m = 20.0\nlane = 1\nlateral_m = 1.2\n'

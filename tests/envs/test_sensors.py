@@ -10,7 +10,6 @@ import pytest
 from vpf_sim import scenarios
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.sensors import Sensors
-from vpf_sim.errors import InputError
 from vpf_sim.evaluation.episode.episode import read
 from vpf_sim.evaluation.episode.log import StepLog
 from vpf_sim.geometry import project
@@ -117,10 +116,3 @@ def test_exact_sensors_change_nothing() -> None:
         observed, info = env.reset(seed=4)
         assert "ego" not in info
         assert observed["ego"] == pytest.approx([5.0, 1.75, 0.0, 5.55, 0.0])
-
-
-def test_unknown_key_is_reported() -> None:
-    with pytest.raises(InputError, match=r"ego\.sensors\.yaw_rate: unknown key, did you mean"):
-        scenarios.parse(ERRING + "yaw_rate = 3.0\n", "erring")
-    with pytest.raises(InputError, match=r"ego\.sensors\.pitch_deg: expected"):
-        scenarios.parse(ERRING + "pitch_deg = -3.0\n", "erring")

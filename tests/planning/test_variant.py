@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import pytest
 
-from vpf_sim.errors import InputError
 from vpf_sim.planning import variant
 from vpf_sim.planning.variant import Variant
 
@@ -52,8 +51,3 @@ def test_one_way_through_the_field_and_what_it_needs() -> None:
         replace(robust, paper_planner=paper.paper_planner)
     with pytest.raises(ValueError, match="needs \\[static_obstacles\\]"):
         replace(robust, static_obstacles=None)
-
-
-def test_an_unknown_variant_is_answered_with_the_nearest() -> None:
-    with pytest.raises(InputError, match="unknown variant 'robus': did you mean 'robust'\\?"):
-        variant.load("robus")

@@ -4,10 +4,7 @@ from dataclasses import fields, replace
 from itertools import pairwise
 from pathlib import Path
 
-import pytest
-
 from vpf_sim import drivers
-from vpf_sim.errors import InputError
 from vpf_sim.evaluation.sweeps.plan import make_plan, read_plan
 from vpf_sim.planning import variant
 from vpf_sim.planning.variant import Variant
@@ -69,25 +66,3 @@ def test_a_section_by_a_variants_name_is_taken_whole_from_it(tmp_path: Path) -> 
     paper, literal = variant.load("paper"), variant.load("literal")
     assert own.flow == literal.flow != paper.flow
     assert own == replace(paper, flow=literal.flow, obstacle_map=replace(paper.obstacle_map, sigma_px=200.0))
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ('base = "robus"', "unknown variant 'robus': did you mean 'robust'?"),
-        ("base = 3", "mine.toml: base: expected the name of a variant, got 3"),
-        ("[flwo]\nx = 1", "mine.toml: flwo: unknown key, did you mean 'flow'?"),
-        ("[flow]\nwindow = 3", "mine.toml: flow.window: unknown key, did you mean 'window_s'?"),
-        ('road_edges = "robus"', "mine.toml: road_edges: unknown variant 'robus': did you mean 'robust'?"),
-        ('odometry = "paper"', "mine.toml: odometry: expected a variant with [odometry], got 'paper'"),
-        ('flow = "other.toml"', "mine.toml: flow: expected the name of a variant, got 'other.toml'"),
-        ("flow = 3", "mine.toml: flow: expected a table, got 3"),
-        ('gains = "robus"', "unknown gains 'robus': did you mean 'robust'?"),
-        ('static_obstacles = "none"', "mine.toml: [lane_planner] needs [static_obstacles]"),
-    ],
-)
-def test_a_wrong_variant_of_ones_own_is_one_clear_line(text: str, message: str, tmp_path: Path) -> None:
-    with pytest.raises(InputError) as caught:
-        drivers.create(f"vpf@{written(tmp_path, text)}")
-    assert message in str(caught.value)
-    assert "\n" not in str(caught.value)

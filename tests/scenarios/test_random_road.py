@@ -3,11 +3,9 @@
 from itertools import pairwise
 
 import numpy as np
-import pytest
 
 from vpf_sim import scenarios
 from vpf_sim.envs.road import build_road
-from vpf_sim.errors import InputError
 from vpf_sim.scenarios import SIZES, RandomScenario, Scenario
 from vpf_sim.seeding import stream
 
@@ -100,19 +98,3 @@ def test_roads_never_come_near_themselves() -> None:
 def test_seed_determines_the_road() -> None:
     assert load().draw(5) == load().draw(5)
     assert load().draw(5).road != load().draw(6).road
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("radius_m = [5.0, 90.0]", "random.radius_m: expected more than half the carriageway, 7 m, got 5"),
-        ("rows = [3, 1]", "random.rows: expected [low, high] with low <= high, got [3, 1]"),
-        ("raidus_m = [90.0, 100.0]", "random.raidus_m: unknown key, did you mean 'radius_m'?"),
-        ("free_gap_m = 15.0", "random.free_gap_m: expected at most the carriageway, 14 m, got 15"),
-        ("[ego]\nlane = 5", "ego.lane: expected 1 to 4, counted from the right, got 5"),
-    ],
-)
-def test_wrong_limits_get_one_clear_line(text: str, message: str) -> None:
-    with pytest.raises(InputError) as caught:
-        scenarios.parse(f"schema = 1\n[random]\n{text}\n", "my.toml")
-    assert str(caught.value) == f"my.toml: {message}"

@@ -34,96 +34,11 @@ lane = 2
 """
 
 
-def message(old: str = "", new: str = "", extra: str = "") -> str:
-    """The error message for FILE with one change."""
-    assert old in FILE
-    with pytest.raises(InputError) as caught:
-        scenarios.parse(FILE.replace(old, new, 1) + extra, "my.toml")
-    return str(caught.value)
-
-
 def test_valid_file_is_loaded_with_defaults() -> None:
     scenario = scenarios.parse(FILE, "my.toml")
     assert scenario.road.length_m == 170.0
     assert (scenario.ego.lane, scenario.ego.speed_mps, scenario.goal.kind) == (2, 5.55, "reach")
     assert scenario.time_limit_s == pytest.approx(3.0 * (165.0 - 5.0) / 5.55)
-
-
-CHOICES = "one of car, van, truck, cone, pallet, barrier, pedestrian, cyclist, deer, door"
-VARY = "one of ego.s_m, ego.lateral_m, ego.heading_deg, ego.speed_mps, bodies.s_m, bodies.lateral_m, bodies.speed_mps"
-FAULTS = [
-    ("lane_width_m", "lane_widht_m", "road.lane_widht_m: unknown key, did you mean 'lane_width_m'?"),
-    ("[goal]", "[gaol]\ns_m = 1.0\n[goal]", "gaol: unknown key, did you mean 'goal'?"),
-    ("schema = 1", "schema = 2", "schema: expected 1, got 2"),
-    ("lane_width_m = 3.5", "lane_width_m = -3.5", "road.lane_width_m: expected > 0, got -3.5"),
-    ("length_m = 80", "length_m = 0", "road.segments[2].length_m: expected > 0, got 0"),
-    ("length_m = 80", 'length_m = "80"', "road.segments[2].length_m: expected a number, got '80'"),
-    ("length_m = 80, ", "", "road.segments[2].length_m: expected a value, got none"),
-    ('"arc"', '"ark"', "road.segments[2].kind: expected one of line, arc, clothoid, got 'ark': did you mean 'arc'?"),
-    (
-        "radius_m = -100}",
-        "radius_m = -7}",
-        "road.segments[1].end_radius_m: expected more than half the carriageway, 7 m, to either side, got -7",
-    ),
-    (
-        "s_m = 165.0",
-        "s_m = 4.0",
-        "goal.s_m: expected a place ahead of the ego and on the road, after 5 and up to 170 m, got 4",
-    ),
-    (
-        "s_m = 165.0",
-        "s_m = 171.0",
-        "goal.s_m: expected a place ahead of the ego and on the road, after 5 and up to 170 m, got 171",
-    ),
-    ("lane = 2", "lane = 5", "bodies[0].lane: expected 1 to 4, counted from the right, got 5"),
-    (
-        "lane = 2",
-        "lane = 1\nlateral_m = 0.5",
-        "bodies[0].lateral_m: obstacle off the road: expected the whole object between -7 and 7 m from the "
-        "carriageway's centre, got 4.55 to 7.05 m",
-    ),
-    (
-        "s_m = 90.0",
-        "s_m = 168.0",
-        "bodies[0].s_m: obstacle off the road: expected the whole object between 0 and 170 m along the road, "
-        "got 165.5 to 170.5 m",
-    ),
-    ('"car"', '"cat"', f"bodies[0].kind: expected {CHOICES}, got 'cat': did you mean 'car'?"),
-    (
-        'kind = "car"',
-        'kind = "cone"\nspeed_mps = 1.0',
-        "bodies[0].speed_mps: expected 0 for a cone, which cannot move, got 1",
-    ),
-    (
-        "[-0.2, 0.3]",
-        "[0.3, -0.2]",
-        'vary."bodies.lateral_m": expected [low, high] with low <= high, got [0.3, -0.2]',
-    ),
-    (
-        '"bodies.lateral_m"',
-        '"bodies.latral_m"',
-        f"vary.\"bodies.latral_m\": expected {VARY}, got 'bodies.latral_m': did you mean 'bodies.lateral_m'?",
-    ),
-    (
-        '"bodies.lateral_m"',
-        '"bodies.speed_mps"',
-        'vary."bodies.speed_mps": expected speeds that stay at or above 0, got a change of -0.2',
-    ),
-]
-
-
-@pytest.mark.parametrize(("old", "new", "line"), FAULTS)
-def test_each_fault_is_one_line_with_file_key_expected_and_actual(old: str, new: str, line: str) -> None:
-    assert message(old, new) == f"my.toml: {line}"
-
-
-def test_misspelt_required_key_is_one_fault() -> None:
-    assert message("s_m = 165.0", "s_n = 165.0") == "my.toml: goal.s_n: unknown key, did you mean 's_m'?"
-    both = message("s_m = 165.0", "place = 165.0").splitlines()
-    assert both == [
-        "my.toml: goal.s_m: expected a value, got none",
-        "my.toml: goal.place: unknown key, known: s_m, kind",
-    ]
 
 
 def test_faulty_only_segment_is_not_reported_as_missing() -> None:
@@ -133,27 +48,9 @@ def test_faulty_only_segment_is_not_reported_as_missing() -> None:
     assert str(caught.value) == "my.toml: road.segments[0].length_m: expected > 0, got -1"
 
 
-def test_two_faults_give_two_lines() -> None:
-    text = FILE.replace("s_m = 165.0", "s_m = 4.0").replace("lane = 2", "lane = 5")
-    with pytest.raises(InputError) as caught:
-        scenarios.parse(text, "my.toml")
-    assert len(str(caught.value).splitlines()) == 2
-
-
-def test_non_toml_file_is_reported() -> None:
-    assert message("schema = 1", "schema = = 1").startswith("my.toml: expected TOML, got: Invalid value (at line 2")
-
-
 def test_unknown_scenario_suggests_the_nearest_name() -> None:
     with pytest.raises(InputError, match=r"^unknown scenario 'town4': did you mean 'town04'\?$"):
         scenarios.load("town4")
-
-
-def test_missing_file_is_reported(tmp_path: Path) -> None:
-    path = tmp_path / "none.toml"
-    with pytest.raises(InputError) as caught:
-        scenarios.load(str(path))
-    assert str(caught.value) == f"{path}: expected a readable scenario file, got: No such file or directory"
 
 
 def test_a_scenario_is_loaded_from_a_path(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
+from vpf_sim.errors import InputError
 from vpf_sim.timing import call
 from vpf_sim.types import Command, Driver, DriverSetup, Observation, Perception, Plan, Privilege
 
@@ -21,7 +22,10 @@ class VisionDriver(Driver):
         from vpf_sim.planning import variant as variants
 
         self._variant = variants.load(variant)
-        gains, own = load_gains(self._variant.gains), self._variant.controller
+        try:
+            gains, own = load_gains(self._variant.gains), self._variant.controller
+        except InputError as error:
+            raise InputError(f"{variant}: gains: {error}") from None
         changed = {} if own is None else {key: value for key, value in asdict(own).items() if value is not None}
         self._gains = replace(gains, **changed)
         self._plan: Plan | None = None

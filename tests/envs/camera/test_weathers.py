@@ -129,33 +129,6 @@ def test_non_finite_factor_is_rejected(key: str, value: str, tmp_path: Path) -> 
         weather.load(str(path))
 
 
-@pytest.mark.parametrize(
-    ("text", "sentence"),
-    [
-        ("preciptation = 5.0", "preciptation: unknown key, did you mean 'precipitation'?"),
-        ("wiper_s = 1.0", "wiper_s: unknown key, did you mean 'wiper_period_s'?"),
-        ('base = "MidRainySunset"', "base: unknown weather 'MidRainySunset': did you mean 'MidRainSunset'?"),
-        ('cloudiness = "60"', "cloudiness: expected a number, got '60'"),
-    ],
-)
-def test_invalid_file_is_one_line_and_exit_code_2(
-    text: str, sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = tmp_path / "mine.toml"
-    path.write_text(text)
-    for command in (["weathers", "validate", str(path)], ["weathers", "show", str(path)]):
-        assert cli.run(command) == 2
-        assert capsys.readouterr().err == f"vpf-sim: {path}: {sentence}\n"
-
-
-def test_each_fault_of_a_file_has_a_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = tmp_path / "mine.toml"
-    path.write_text("droplets = -1.0\nfog = 3.0\n")
-    assert cli.run(["weathers", "validate", str(path)]) == 2
-    lines = capsys.readouterr().err.splitlines()
-    assert sorted(line.split(": ")[2] for line in lines) == ["droplets", "fog"]
-
-
 @pytest.mark.parametrize(("precipitation", "rain_mmph"), [(0, 0.0), (30, 4.5), (60, 18.0), (100, 50.0)])
 def test_rain_in_mm_an_hour(precipitation: float, rain_mmph: float) -> None:
     assert physical(weather.Weather(name="mine", precipitation=precipitation))["rain_mmph"] == pytest.approx(rain_mmph)
