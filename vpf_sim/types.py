@@ -423,8 +423,8 @@ class PlanDetails:
 class Plan:
     """One pass of the planner, for the controller, the overlay and the scores."""
 
-    perception: Perception
+    perception: Perception | None  # None of a driver that is given the world
     force: Force
     reference: Reference
-    extra: PlanDetails | None = None  # LanePlan or PaperPlan; None of another planner
+    extra: PlanDetails | None = None  # LanePlan, PaperPlan or MotionPlan; None of another planner
     reaching: bool | None = None  # whether the reaching condition of the controller holds; None: not yet controlled

@@ -17,6 +17,17 @@ def test_it_arrives_where_others_cross(scenario: str) -> None:
     assert record["min_clearance_m"] > 0.2
 
 
+def test_each_frame_records_the_motion_and_why_others_were_rejected() -> None:
+    steps = vpf_sim.drive("crossing", driver="expert", seed=4).steps
+    driven = steps[steps.throttle.notna()]
+    assert driven.filter(regex="^(motion|rejected)_").notna().all(axis=None)
+    near = driven.clearance_m < 6.0
+    assert driven.rejected_collision[near].max() > 0 == driven.rejected_collision[driven.clearance_m > 60.0].sum()
+    soon = np.interp(driven.time_s + 1.0, driven.time_s, driven.speed_mps)
+    before_end = driven.time_s < driven.time_s.iloc[-1] - 1.0
+    assert np.median(np.abs(soon - driven.motion_1s_mps)[before_end]) < 0.2
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("scenario", ["stop-and-go", "rows", "exit-v0", "two-way-v0", "racetrack-v0", "u-turn-v0"])
 def test_it_arrives(scenario: str) -> None:

@@ -42,6 +42,12 @@ def test_a_missing_value_is_nan(tmp_path: Path) -> None:
     assert np.isnan(parquet.read(tmp_path / "a.parquet", ["time_s"], *WHAT)).ravel().tolist() == [False, True]
 
 
+def test_columns_that_came_later_are_nan_where_they_are_missing(tmp_path: Path) -> None:
+    parquet.write(ROWS, NAMES, tmp_path / "a.parquet")
+    found = parquet.read(tmp_path / "a.parquet", ["x_m", "cost"], *WHAT, later=["cost", "x_m"])
+    assert equal_bits(found, np.column_stack([ROWS[:, 1], np.full(3, np.nan)]))
+
+
 def test_equal_tables_make_equal_files(tmp_path: Path) -> None:
     rows = np.random.default_rng(0).normal(size=(5000, 3))
     for name in ("a", "b"):

@@ -7,6 +7,7 @@ import pytest
 from made_scene import LANE_M, road, tracks
 
 from vpf_sim.scene import predict
+from vpf_sim.scene.lanes import LaneLine, LanePlace
 
 TIMES_S = np.arange(0.0, 5.0, 0.5)
 
@@ -66,3 +67,25 @@ def test_the_uncertainty_grows_with_that_of_the_speed() -> None:
     seen = predict(straight, made, TIMES_S)
     np.testing.assert_allclose(seen.along_sigma_m[0], np.sqrt(0.04 + 0.25 * TIMES_S**2))
     np.testing.assert_allclose(seen.across_sigma_m[0], 0.1)
+
+
+def test_a_car_in_a_known_lane_follows_it_and_comes_to_its_middle() -> None:
+    """A quarter of a circle of 20 m beside the road, entered 1 m right of the lane's middle."""
+    angle = np.linspace(0.0, np.pi / 2.0, 91)
+    lane = LaneLine(20.0 * angle, 20.0 * np.sin(angle), 50.0 - 20.0 * np.cos(angle), angle)
+    straight = road()
+    made = tracks(straight, (0.0, 31.0, 0.0, 5.0, 4.5, 1.9))
+    seen = predict(straight, replace(made, lanes=(LanePlace(lane, 0.0, 1.0),)), TIMES_S)
+    radius_m = np.hypot(seen.x_m[0], seen.y_m[0] - 50.0)
+    assert radius_m[0] == pytest.approx(19.0)
+    np.testing.assert_allclose(radius_m[6:], 20.0, atol=0.05)
+    np.testing.assert_allclose(seen.heading_rad[0], 0.25 * TIMES_S, atol=1e-6)
+    assert np.hypot(*np.diff([seen.x_m[0, -2:], seen.y_m[0, -2:]]).ravel()) == pytest.approx(2.5, abs=0.02)
+
+
+def test_a_car_that_stands_in_a_known_lane_stays() -> None:
+    straight = road()
+    lane = LaneLine(np.array([0.0, 50.0]), np.array([0.0, 50.0]), np.zeros(2), np.zeros(2))
+    made = tracks(straight, (10.0, 0.4, 0.3, 0.0, 4.5, 1.9))
+    seen = predict(straight, replace(made, lanes=(LanePlace(lane, 10.0, 0.4),)), TIMES_S)
+    np.testing.assert_allclose([seen.x_m[0], seen.y_m[0]], [[10.0] * 10, [0.4] * 10])

@@ -6,6 +6,7 @@ import pytest
 from vpf_sim.envs.world import World, build_world
 from vpf_sim.scenarios import load
 from vpf_sim.scene import Scene
+from vpf_sim.scene.planned_lanes import PlannedLanes
 from vpf_sim.scene.truth import TrueScene, road_of
 from vpf_sim.types import Camera, DriverSetup, Observation, VehicleModel
 
@@ -72,3 +73,25 @@ def test_the_world_is_needed() -> None:
     setup = DriverSetup(Camera(), VehicleModel(), 60.0, 5.55, (10.0, 0.0), 1)
     with pytest.raises(ValueError, match="expected a setup with the world and the route"):
         TrueScene(setup)
+
+
+@pytest.mark.parametrize("scenario", ["roundabout-v0", "intersection-v1"])
+def test_cars_of_highway_env_drive_in_their_lanes(scenario: str) -> None:
+    """After two seconds each car is on the lanes that were planned for it: highway-env's cars cut bends by a metre."""
+    world = world_of(scenario)
+    lanes = PlannedLanes(world.road.network)
+    cars = [car for car in world.road.vehicles if car is not world.ego and car.speed > 2.0]
+    assert len(cars) > 1
+    places = [lanes.place_of(car) for car in cars]
+    for step in range(120):
+        world.advance(step, 60.0)
+    for car, place in zip(cars, places, strict=True):
+        assert place is not None
+        x, y, _ = place.line.at(np.arange(place.along_m, place.along_m + 40.0, 0.25))
+        assert np.hypot(x - car.position[0], y - car.position[1]).min() < 1.5
+
+
+def test_what_has_no_lane_of_highway_env_has_no_place() -> None:
+    world = world_of("traffic")
+    lanes = PlannedLanes(world.road.network)
+    assert all(lanes.place_of(obj) is None for obj in (*world.road.vehicles, *world.road.objects))

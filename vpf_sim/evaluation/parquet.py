@@ -2,7 +2,7 @@
 
 import errno
 import os
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from glob import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -29,8 +29,11 @@ def write(rows: Floats, names: Sequence[str], path: Path) -> None:
             raise _as_os_error(error, draft) from None
 
 
-def read(path: Path, names: Sequence[str], what: str, kind: str) -> Floats:
-    """(N, C) rows that `write` stored; InputErrors call the content `what` and the table's format `kind`."""
+def read(path: Path, names: Sequence[str], what: str, kind: str, later: Collection[str] = ()) -> Floats:
+    """(N, C) rows that `write` stored; InputErrors call the content `what` and the table's format `kind`.
+
+    The columns `later` were added after the first version of the format: nan where they are missing.
+    """
     import duckdb
 
     if not path.is_file():
@@ -38,6 +41,8 @@ def read(path: Path, names: Sequence[str], what: str, kind: str) -> Floats:
     try:
         with _database() as database:
             stored = database.read_parquet(escape(str(path))).fetchnumpy()  # else a "*" in a name is a pattern
+        unknown = np.full(len(next(iter(stored.values()), ())), np.nan)
+        stored = dict.fromkeys(later, unknown) | stored
         missing = [name for name in names if name not in stored]
         if missing:
             raise ValueError(f"no column {missing[0]}")

@@ -56,6 +56,22 @@ class Step(NamedTuple):
     near_bearing_rad: float = nan  # of the nearest object's centre from the rear axle, off the heading, + is right
     near_bumper_m: float = nan  # from the front bumper to that object
     near_speed_mps: float = nan  # of that object
+    motion_right_m: float = (
+        nan  # from the beginning of the motion planned in space and time to its path's end, + is right
+    )
+    motion_1s_mps: float = nan  # its speed after a second
+    motion_end_mps: float = nan  # and at the horizon
+    motion_cost: float = nan
+    motion_breaks_limit: float = nan  # 1 where it breaks a limit, as all other candidates do
+    rejected_acceleration: float = nan  # candidates rejected for the acceleration along the road
+    rejected_lateral_acceleration: float = nan
+    rejected_curvature: float = nan
+    rejected_steering_rate: float = nan
+    rejected_road_edge: float = nan
+    rejected_collision: float = nan  # of those that were compared with the objects
+
+
+LATER = tuple(name for name in Step._fields if name.startswith(("motion_", "rejected_")))  # runs before lack them
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,4 +126,4 @@ def write(table: StepTable, path: Path) -> None:
 
 def read(path: Path) -> StepTable:
     """The table that `write` stored; InputError where it is missing or of another version."""
-    return StepTable(parquet.read(path, Step._fields, "the steps of an episode", "step"))
+    return StepTable(parquet.read(path, Step._fields, "the steps of an episode", "step", LATER))

@@ -157,9 +157,10 @@ def _rows(
 
 def _hold_if_uncertain(decision: Decision, last: Decision, speed_mps: float) -> Decision:
     """The decision, with the last command where the car moves and the flow is unreliable."""
-    if decision.plan is None or last.plan is None or not speed_mps > LEAST_SPEED_MPS:
+    perceived = None if decision.plan is None else decision.plan.perception
+    if perceived is None or last.plan is None or not speed_mps > LEAST_SPEED_MPS:
         return decision  # there is no flow at the first frame
-    uncertain = decision.plan.perception.expansion.confidence < LEAST_CONFIDENCE
+    uncertain = perceived.expansion.confidence < LEAST_CONFIDENCE
     return replace(decision, command=last.command, is_held=True) if uncertain else decision
 
 
@@ -240,9 +241,9 @@ def _recorded(recording: Recording, k: int, segment: int) -> FrameRow:
 
 def _perception_columns(decision: Decision, camera: Camera) -> dict[str, float]:
     """The columns of a driver's perception."""
-    if decision.plan is None:
+    perceived = None if decision.plan is None else decision.plan.perception
+    if perceived is None:
         return {}
-    perceived = decision.plan.perception
     usable = perceived.expansion.confidence > 0.0
     return {
         "road_found": nan if decision.road_found is None else float(decision.road_found),

@@ -6,15 +6,16 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from vpf_sim.geometry import distort
+from vpf_sim.geometry import distort, wrap_angle
 from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.planning.paper.planner import PaperPlan
+from vpf_sim.planning.spacetime.motion import MotionPlan
 from vpf_sim.reporting.canvas import INK, SHADE, Canvas, Colour
+from vpf_sim.reporting.motion_view import PATH, draw_motion
 from vpf_sim.reporting.top_view import OBSTACLE, REFERENCE, draw_compass
 from vpf_sim.types import Camera, Floats, Image, Perception, Plan, RoadEdges
 
 EDGE: Colour = (92, 220, 255)
-PATH: Colour = (120, 255, 150)
 UNKNOWN: Colour = (205, 212, 220)
 # Time to contact from short to long: red, yellow, green.
 TTC_S = np.array([0.8, 1.8, 3.5, 8.0])
@@ -49,14 +50,22 @@ class Label(NamedTuple):
 def draw(frame_rgb: Image, plan: Plan, camera: Camera) -> Image:
     """A copy of an (H, W, 3) RGB frame of any camera, with the plan drawn in."""
     canvas = Canvas(frame_rgb.copy(), camera)
-    _map_tint(canvas, plan.perception)
-    _road(canvas, plan)
-    _flow(canvas, plan.perception)
-    _draw_obstacles(canvas, plan.perception)
-    _expansion(canvas, plan.perception)
-    draw_compass(canvas, plan)
-    _words(canvas, plan)
+    if isinstance(plan.extra, MotionPlan):
+        draw_motion(canvas, plan.extra)
+    if plan.perception is not None:
+        _draw_perception(canvas, plan, plan.perception)
+    canvas.text(f"reference {plan.reference.speed_mps:.1f} m/s", *_corner(canvas, 43), REFERENCE, 0.36)
     return canvas.frame
+
+
+def _draw_perception(canvas: Canvas, plan: Plan, perception: Perception) -> None:
+    _map_tint(canvas, perception)
+    _road(canvas, plan, perception.road)
+    _flow(canvas, perception)
+    _draw_obstacles(canvas, perception)
+    _expansion(canvas, perception)
+    draw_compass(canvas, plan.force, wrap_angle(plan.reference.heading_rad - float(perception.pose[2])))
+    _draw_speed(canvas, perception)
 
 
 def road_line(road: RoadEdges, right_m: Floats | float, along_m: Floats) -> Floats:
@@ -84,9 +93,8 @@ def _map_tint(canvas: Canvas, perception: Perception) -> None:
     part[:] = (part + weight * (np.array(OBSTACLE, np.float32) - part)).astype(np.uint8)
 
 
-def _road(canvas: Canvas, plan: Plan) -> None:
+def _road(canvas: Canvas, plan: Plan, road: RoadEdges) -> None:
     """Draw the carriageway's edges and the planned path."""
-    road = plan.perception.road
     edges = [road_line(road, offset, ROAD_AHEAD_M) for offset in (road.left_m, road.right_m)]
     strokes = [_in_front(canvas, edge) for edge in edges]
     canvas.lines(strokes, SHADE, 4)
@@ -195,12 +203,16 @@ def _expansion(canvas: Canvas, perception: Perception) -> None:
     canvas.text("FOE", float(centre[0]) + reach + 3, float(centre[1]) - 5 * canvas.unit, colour, 0.34)
 
 
-def _words(canvas: Canvas, plan: Plan) -> None:
-    """Draw actual and reference speed in the upper left corner."""
-    speed = _speed_mps(plan.perception)
+def _draw_speed(canvas: Canvas, perception: Perception) -> None:
+    """Draw the speed in the upper left corner."""
+    speed = _speed_mps(perception)
     now = "-- m/s" if speed is None else f"{speed:.1f} m/s"
-    canvas.text(now, 12 * canvas.unit, 26 * canvas.unit, size=0.62)
-    canvas.text(f"reference {plan.reference.speed_mps:.1f} m/s", 12 * canvas.unit, 43 * canvas.unit, REFERENCE, 0.36)
+    canvas.text(now, *_corner(canvas, 26), size=0.62)
+
+
+def _corner(canvas: Canvas, row: float) -> tuple[float, float]:
+    """px, where text of the upper left corner begins."""
+    return 12 * canvas.unit, row * canvas.unit
 
 
 def _speed_mps(perception: Perception) -> float | None:

@@ -139,9 +139,9 @@ def flow(found: Mapping[tuple[str, str], Along]) -> bytes:
         moment = along.moment if along is not None else None
         for axis in axes[:, column]:
             axis.set_axis_off()
-        if moment is None or moment.plan is None:
+        seen = None if moment is None or moment.plan is None else moment.plan.perception
+        if moment is None or seen is None:
             continue
-        seen = moment.plan.perception
         points, moved = seen.flow.points_px, seen.flow.displacement_px
         marked = seen.features.obstacle_map.on_obstacle
         axes[0, column].set_title(f"{NAMES[weather]}: flow over 0.1 s, obstacle points in red", fontsize=10)

@@ -6,9 +6,9 @@ from math import cos, sin
 import numpy as np
 
 from vpf_sim.envs.network import RoadLines
-from vpf_sim.geometry import wrap_angle
+from vpf_sim.planning.spacetime.motion import MotionPlan
 from vpf_sim.reporting.canvas import INK, SHADE, Canvas, Colour
-from vpf_sim.types import Bools, Camera, Floats, Image, Plan
+from vpf_sim.types import Bools, Camera, Floats, Force, Image, Plan
 
 AHEAD_M = 52.0
 BEHIND_M = 14.0
@@ -27,8 +27,8 @@ REFERENCE: Colour = (255, 208, 64)
 RADIUS = 44.0  # px on a frame of 640
 
 
-def draw_compass(canvas: Canvas, plan: Plan) -> None:
-    """Draw the compass in the lower right corner, with a legend below."""
+def draw_compass(canvas: Canvas, force: Force, ahead_rad: float) -> None:
+    """Draw the compass in the lower right corner, with a legend; `ahead_rad` is the reference heading off the yaw."""
     radius = RADIUS * canvas.unit
     height, width = canvas.frame.shape[:2]
     centre = np.array([width - radius - 14 * canvas.unit, height - radius - 24 * canvas.unit])
@@ -36,7 +36,6 @@ def draw_compass(canvas: Canvas, plan: Plan) -> None:
     canvas.ring(centre, radius, (150, 160, 170), 1)
     for angle in np.arange(0.0, 2.0 * np.pi, np.pi / 2.0):
         canvas.lines([_ray(centre, angle, 0.9 * radius, radius)], (150, 160, 170), 1)
-    force = plan.force
     arrows = ((force.target, TARGET), (force.road, ROAD), (force.obstacle, OBSTACLE), (force.total, TOTAL))
     longest = max(float(np.hypot(*vector)) for vector, _ in arrows)
     for vector, colour in arrows:
@@ -44,7 +43,7 @@ def draw_compass(canvas: Canvas, plan: Plan) -> None:
         if np.isfinite(length) and longest > 0.0 and length > 1e-3 * longest:
             # The square root keeps small forces visible beside large ones.
             _arrow(canvas, centre, np.arctan2(vector[1], vector[0]), 0.82 * radius * np.sqrt(length / longest), colour)
-    _pointer(canvas, centre, wrap_angle(plan.reference.heading_rad - float(plan.perception.pose[2])), radius)
+    _pointer(canvas, centre, ahead_rad, radius)
     _force_legend(canvas, centre, radius)
 
 
@@ -191,7 +190,11 @@ def _rectangle(canvas: Canvas, view: _View, obj: Rectangle, colour: Colour) -> N
 
 
 def _perceived(canvas: Canvas, view: _View, plan: Plan) -> None:
-    """Draw the faces of perceived obstacles and the reference heading."""
+    """Draw the faces of perceived obstacles and the reference heading; the motion of a planner in space and time."""
+    if isinstance(plan.extra, MotionPlan):
+        canvas.lines([view.from_vehicle(plan.extra.points_m())], REFERENCE, 2)
+    if plan.perception is None:
+        return
     objects = plan.perception.obstacles
     for forward, left, right in zip(objects.forward_m, objects.left_m, objects.right_m, strict=True):
         face = np.array([(forward + 1.0, left), (forward, left), (forward, right), (forward + 1.0, right)])

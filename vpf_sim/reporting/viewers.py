@@ -19,7 +19,7 @@ from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.reporting import cost_view
 from vpf_sim.reporting.overlay import EDGE, OBSTACLE_LENGTH_M, ROAD_AHEAD_M, road_line, ttc_colour
 from vpf_sim.reporting.top_view import OBSTACLE, REFERENCE, ROAD, TARGET
-from vpf_sim.types import Camera, Floats, Image, Plan, VehicleModel
+from vpf_sim.types import Camera, Floats, Force, Image, Perception, Plan, VehicleModel
 
 RATE_HZ = 60.0
 SIGNALS = ("throttle", "steering", "pid_throttle", "pid_steering", "speed_mps", "lane_offset_m", "clearance_m", "ttc_s")
@@ -60,9 +60,9 @@ class RerunLog:
         """Log one step: the frame (H, W, 3) RGB, and the driver's plan if it has one."""
         self._stream.set_time(TIME, duration=time_s)
         self._log("camera", self._picture(frame))
-        if plan is not None:
-            self._perceived(plan)
-            self._scene(plan)
+        if plan is not None and plan.perception is not None:
+            self._perceived(plan.perception)
+            self._scene(plan.perception, plan.force)
             if isinstance(plan.extra, LanePlan):
                 self._log("cost", self._picture(cost_view.draw(plan)))
 
@@ -84,9 +84,9 @@ class RerunLog:
     def _picture(self, frame: Image) -> Any:
         return self._rr.Image(frame).compress(jpeg_quality=JPEG_QUALITY)
 
-    def _perceived(self, plan: Plan) -> None:
+    def _perceived(self, perception: Perception) -> None:
         """Log flow coloured by time to contact, focus of expansion, and obstacle points."""
-        rr, perception = self._rr, plan.perception
+        rr = self._rr
         now = distort(self._camera, perception.flow.points_px)
         past = distort(self._camera, perception.flow.points_px - perception.flow.displacement_px)
         colours = [ttc_colour(float(ttc)) for ttc in perception.features.ttc_s]
@@ -98,9 +98,9 @@ class RerunLog:
         foe = np.array([[perception.expansion.x_px, perception.expansion.y_px]])
         self._log("camera/foe", rr.Points2D(foe[np.isfinite(foe).all(axis=1)], radii=6.0))
 
-    def _scene(self, plan: Plan) -> None:
+    def _scene(self, perception: Perception, force: Force) -> None:
         """Log road edges, obstacles and forces in the top view."""
-        rr, road, obstacles = self._rr, plan.perception.road, plan.perception.obstacles
+        rr, road, obstacles = self._rr, perception.road, perception.obstacles
         edges = [_up(road_line(road, side, ROAD_AHEAD_M)) for side in (road.left_m, road.right_m)]
         self._log("scene/edges", rr.LineStrips2D(edges, colors=[EDGE]))
         corners = np.stack([obstacles.left_m, -obstacles.forward_m - OBSTACLE_LENGTH_M], axis=1)
@@ -109,7 +109,7 @@ class RerunLog:
         ego = VehicleModel()
         self._log("scene/ego", rr.Boxes2D(centers=[[0.0, 0.0]], sizes=[[ego.width_m, ego.length_m]]))
         for name, colour in FORCES.items():
-            arrow = FORCE_M * _up(getattr(plan.force, name)[None])
+            arrow = FORCE_M * _up(getattr(force, name)[None])
             self._log(f"scene/force/{name}", rr.Arrows2D(origins=[[0.0, 0.0]], vectors=arrow, colors=[colour]))
 
 

@@ -1,8 +1,9 @@
-"""Where the tracks will be: constant velocity along the road, or constant turn rate off it, with growing uncertainty.
+"""Where the tracks will be: constant velocity along their lane or the road, or constant turn rate off both, with
+growing uncertainty.
 
-A vehicle that drives along the road and moves to the side is expected to stay in the lane that it comes to. What
-crosses the road, or is beside it as in a junction, keeps its speed and turn rate (CTRV: Schubert, Richter, Wanielik,
-Fusion 2008).
+A vehicle whose lane is known is expected to follow it, and to come to its middle. Another that drives along the road
+and moves to the side is expected to stay in the lane that it comes to. What crosses the road, or is beside it as in a
+junction, keeps its speed and turn rate (CTRV: Schubert, Richter, Wanielik, Fusion 2008).
 """
 
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ LANE_CHANGE_MPS = 0.05  # lateral speed of a vehicle that changes its lane
 NEXT_LANE_SHARE = 0.05  # of a lane's width; who is nearer to a lane's middle is in that lane
 BESIDE_M = 1.0  # beyond an edge, a track along the road still follows it
 MOVING_MPS = 0.2
+TO_MIDDLE_S = 0.8  # in which the distance from the lane's middle falls to its e-th part
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +54,7 @@ def predict(road: Road, tracks: Tracks, times_s: Reals) -> Prediction:
         x[rows], y[rows], road_heading = road.world(s, d)
         heading[rows] = road_heading + relative[rows, None]
         _leave(road, s, d, rows, (x, y, heading), tracks.speed_mps, times_s)
+    _follow_lanes(tracks, (x, y, heading), times_s)
     return Prediction(
         tracks, x, y, heading, _sigma(tracks, 0, times_s), _sigma(tracks, 1, times_s), on_road, along, across
     )
@@ -93,6 +96,17 @@ def _leave(
         heading[row, last:] = heading[row, last]
         x[row, last:] = x[row, last] + driven * np.cos(heading[row, last])
         y[row, last:] = y[row, last] + driven * np.sin(heading[row, last])
+
+
+def _follow_lanes(tracks: Tracks, poses: tuple[Floats, Floats, Floats], times_s: Reals) -> None:
+    """Put tracks that drive forward in a lane that is known at their places along it."""
+    x, y, heading = poses
+    to_middle = np.exp(-times_s / TO_MIDDLE_S)
+    for row, place in enumerate(tracks.lanes):
+        if place is not None and tracks.speed_mps[row] > MOVING_MPS:
+            lane_x, lane_y, heading[row] = place.line.at(place.along_m + tracks.speed_mps[row] * times_s)
+            right = place.right_m * to_middle
+            x[row], y[row] = lane_x - right * np.sin(heading[row]), lane_y + right * np.cos(heading[row])
 
 
 def _turning(tracks: Tracks, times_s: Reals) -> tuple[Floats, Floats, Floats]:

@@ -4,6 +4,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from vpf_sim.scene.lanes import LanePlace
 from vpf_sim.types import Floats, Integers
 
 
@@ -12,7 +13,8 @@ class Tracks:
     """K rectangles that move along their heading.
 
     `s_m` and `d_m` are nan where the road's reference line does not pass. `covariance` is of the place and the velocity
-    in the track's own axes: along m, across m, along m/s, across m/s.
+    in the track's own axes: along m, across m, along m/s, across m/s. `lanes` has K places, or is empty where none is
+    known.
     """
 
     x_m: Floats  # (K,) middle, in the world
@@ -27,13 +29,15 @@ class Tracks:
     existence: Floats  # (K,) log-odds
     covariance: Floats  # (K, 4, 4)
     identity: Integers  # (K,) stays with a track
+    lanes: tuple[LanePlace | None, ...] = ()
 
     def __len__(self) -> int:
         return len(self.x_m)
 
     def select(self, rows: Integers) -> "Tracks":
         """Some of the tracks, by their rows."""
-        return Tracks(*(getattr(self, field.name)[rows] for field in fields(self)))
+        columns = {field.name: getattr(self, field.name)[rows] for field in fields(self) if field.name != "lanes"}
+        return Tracks(**columns, lanes=tuple(self.lanes[row] for row in rows.tolist()) if self.lanes else ())
 
     @property
     def probability(self) -> Floats:

@@ -8,6 +8,8 @@ import numpy as np
 from highway_env.vehicle.objects import Landmark
 
 from vpf_sim.geometry import unwrapped, wrap_angle
+from vpf_sim.scene.lanes import LanePlace
+from vpf_sim.scene.planned_lanes import PlannedLanes
 from vpf_sim.scene.road import Road
 from vpf_sim.scene.scene import EgoState, Scene
 from vpf_sim.scene.tracks import Tracks
@@ -67,6 +69,7 @@ class TrueScene:
         self._network: Network = setup.world.network
         start = setup.route[0].tolist()
         self.road = road_of(self._network, self._network.place_at(*start, 0.0)[1])
+        self._lanes = PlannedLanes(setup.world.network)
         self._ego: Any = None
         self._last_s_m = 0.0
         self._identities: dict[Any, int] = {}
@@ -80,7 +83,8 @@ class TrueScene:
         ego = EgoState(*place, observation.yaw_rad, observation.speed_mps, observation.yaw_rate_radps, s, d)
         objects = self._near(ego)
         numbers = [self._identities.setdefault(obj, len(self._identities)) for obj in objects]
-        return Scene(observation.time_s, ego, self.road, _tracks(objects, numbers), self._speed_mps)
+        lanes = tuple(map(self._lanes.place_of, objects))
+        return Scene(observation.time_s, ego, self.road, _tracks(objects, numbers, lanes), self._speed_mps)
 
     def place(self, observation: Observation) -> tuple[float, float]:
         """s and d of the car, m."""
@@ -152,7 +156,7 @@ def _lanes(network: Network, x_m: float, y_m: float, heading_rad: float) -> Iter
             yield (-lateral if cos(turn) > 0.0 else lateral), float(lane.width_at(along)), own
 
 
-def _tracks(objects: Iterable[Any], numbers: list[int]) -> Tracks:
+def _tracks(objects: Iterable[Any], numbers: list[int], lanes: tuple[LanePlace | None, ...]) -> Tracks:
     """`numbers` are the objects' identities."""
     rows = [
         (*obj.position, obj.heading, obj.speed, _yaw_rate(obj), obj.LENGTH, obj.WIDTH, *obj.place) for obj in objects
@@ -163,7 +167,7 @@ def _tracks(objects: Iterable[Any], numbers: list[int]) -> Tracks:
     for axis, sigma in enumerate(SPEED_SIGMA_MPS):
         covariance[:, axis + 2, axis + 2] = np.where(moving, sigma**2, 0.0)
     existence, identity = np.full(len(numbers), CERTAIN), np.array(numbers, np.int64)
-    return Tracks(x, y, heading, speed, yaw_rate, length, width, s, d, existence, covariance, identity)
+    return Tracks(x, y, heading, speed, yaw_rate, length, width, s, d, existence, covariance, identity, lanes)
 
 
 def _yaw_rate(obj: Any) -> float:

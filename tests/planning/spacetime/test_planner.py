@@ -8,7 +8,8 @@ import pytest
 from made_scene import LANE_M, road, scene, tracks
 
 from vpf_sim.planning.spacetime import settings
-from vpf_sim.planning.spacetime.planner import Motion, SpacetimePlanner
+from vpf_sim.planning.spacetime.motion import Motion
+from vpf_sim.planning.spacetime.planner import SpacetimePlanner
 from vpf_sim.scene import Road, Tracks
 from vpf_sim.types import VehicleModel
 
@@ -42,7 +43,7 @@ def test_it_passes_a_parked_car_on_the_wider_side(d_m: float) -> None:
     assert np.sign(beside_m) == -np.sign(d_m)
     assert abs(beside_m - d_m) > 1.9 + 0.2
     assert motion.speed_at(3.0) > 4.0
-    assert motion.rejected["collision"] > 0
+    assert motion.rejected.collision > 0
 
 
 def test_it_stops_before_a_blocked_road() -> None:

@@ -8,6 +8,7 @@ from vpf_sim.envs.rectangles import corners, nearest, solid_objects
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.truth import surroundings
 from vpf_sim.evaluation.truth.perception_errors import PerceptionErrors
+from vpf_sim.planning.spacetime.motion import MotionPlan
 from vpf_sim.timing import timed
 from vpf_sim.types import Command, Observation, Perception, Plan
 
@@ -62,8 +63,15 @@ class StepLog:
             steering=command.steering,
             pid_throttle=pid.throttle,
             pid_steering=pid.steering,
-            **({} if plan is None else perceived(plan.perception) | self._perception_errors.columns(plan)),
+            **({} if plan is None else self._planned(plan)),
         )
+
+    def _planned(self, plan: Plan) -> dict[str, float]:
+        """The columns of a plan."""
+        columns = planned(plan.extra) if isinstance(plan.extra, MotionPlan) else {}
+        if plan.perception is None:
+            return columns
+        return columns | perceived(plan.perception) | self._perception_errors.columns(plan.perception)
 
     def table(self) -> StepTable:
         return StepTable.of(self._steps)
@@ -84,6 +92,19 @@ def _nearest(ego: Any, near: Any) -> dict[str, float]:
         "near_bearing_rad": surroundings.bearing_rad(ego, near),
         "near_bumper_m": surroundings.bumper_gap_m(ego, near),
         "near_speed_mps": hypot(*near.velocity.tolist()),
+    }
+
+
+def planned(plan: MotionPlan) -> dict[str, float]:
+    """The columns of the chosen motion, and the number of candidates that were rejected for each reason."""
+    motion = plan.motion
+    return {
+        "motion_right_m": plan.shift_m,
+        "motion_1s_mps": motion.speed_at(motion.time_s + 1.0),
+        "motion_end_mps": float(motion.profile.speed_mps[0, -1]),
+        "motion_cost": motion.cost,
+        "motion_breaks_limit": float(motion.is_rejected),
+        **{f"rejected_{reason}": float(count) for reason, count in motion.rejected._asdict().items()},
     }
 
 

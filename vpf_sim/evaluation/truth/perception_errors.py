@@ -7,7 +7,7 @@ import numpy as np
 
 from vpf_sim.evaluation.truth.detections import DetectionScorer
 from vpf_sim.evaluation.truth.true_motion import Shot, TrueMotion, ttc_errors
-from vpf_sim.types import Flow, Observation, Plan
+from vpf_sim.types import Flow, Observation, Perception
 
 SCORED_EVERY_S = 2.0  # rendering a frame's ground truth takes as long as several steps
 LONGEST_S = 0.1  # of the flow windows that are scored
@@ -36,12 +36,12 @@ class PerceptionErrors:
         pose = observation.pose
         self._motion.add(Shot(self._frames, observation.image, pose, renderer))
 
-    def columns(self, plan: Plan) -> dict[str, float]:
+    def columns(self, perception: Perception) -> dict[str, float]:
         """Step-table columns with the errors of that frame.
 
         Flow and times to contact are scored in the next frame that is due and that the driver used.
         """
-        env, perception = self._env, plan.perception
+        env = self._env
         columns = self._detections.columns(perception.obstacles, env.ego, env.road.network)
         used, self._flow = perception.flow is not self._flow, perception.flow
         if self._motion is None or not self._due or not used:

@@ -24,10 +24,10 @@ def prices(settings: LimitSettings, motions: Motions, times_s: Reals, overhang_m
     too_hard = np.maximum(-settings.deceleration_mps2 - motions.acceleration_mps2, 0.0).max(axis=2)
     return {
         "acceleration": PER_MPS2 * (too_fast + too_hard),
-        "lateral acceleration": PER_SQUARE_MPS4 * _above(lateral, settings.lateral_mps2) ** 2,
+        "lateral_acceleration": PER_SQUARE_MPS4 * _above(lateral, settings.lateral_mps2) ** 2,
         "curvature": PER_CURVATURE * _above(np.abs(motions.curvature_per_m), settings.curvature_per_m),
-        "steering rate": PER_CURVATURE_RATE * _above(rate, settings.curvature_rate_per_ms),
-        "road edge": _off_road(settings, room_m(motions, overhang_m), times_s),
+        "steering_rate": PER_CURVATURE_RATE * _above(rate, settings.curvature_rate_per_ms),
+        "road_edge": _off_road(settings, room_m(motions, overhang_m), times_s),
     }
 
 

@@ -60,13 +60,15 @@ def path_curvature(slope: Real, second: Real, road_per_m: Real, stretch: Real) -
     Werling et al. 2010, appendix I, with stretch = 1 - d * road curvature.
     """
     square = 1.0 + (slope / stretch) ** 2
-    curvature: Real = (second / stretch**2 + road_per_m / stretch * (2.0 * square - 1.0)) / square**1.5
+    curvature: Real = (second / stretch**2 + road_per_m / stretch * (2.0 * square - 1.0)) / (square * np.sqrt(square))
     return curvature
 
 
 def _lane_offset(road: Road, s_m: Reals, d_m: Reals) -> Reals:
     """|d| from the nearest lane's middle; from the route where there is no lane."""
     nearest = np.full(d_m.shape, np.inf, np.float32)
+    offset = np.empty_like(nearest)
     for middle in road.lanes_at(s_m).astype(np.float32):
-        nearest = np.fmin(nearest, np.abs(d_m - middle))
+        np.abs(np.subtract(d_m, middle, out=offset), out=offset)
+        np.fmin(nearest, offset, out=nearest)
     return np.where(np.isfinite(nearest), nearest, np.abs(d_m - np.float32(road.route_m)))

@@ -14,7 +14,7 @@ from scipy.special import ndtri
 from vpf_sim.planning.spacetime.motions import Motions
 from vpf_sim.planning.spacetime.settings import CostSettings, LimitSettings
 from vpf_sim.scene.prediction import Prediction
-from vpf_sim.scene.scene import EgoState
+from vpf_sim.scene.scene import EgoState, Scene
 from vpf_sim.types import Bools, Integers, Reals, VehicleModel
 
 PER_CONTACT = 600.0
@@ -25,6 +25,8 @@ IN_LANE_M = 0.25  # who is nearer to the own path, across, is followed
 BRAKING_MPS2 = 5.5  # of the braking distance, for both cars
 STANDING_GAP_M, REACTION_S = 1.0, 0.3
 GAP_S = 0.9
+STANDING_MPS, STANDING_SHARE = 0.1, np.float32(0.5)  # of the price, where the car stands and is hit
+BESIDE_M = 0.1  # a track that would pass the car by more does not follow it
 BEYOND_S = 8.0  # an object ahead allows the speed with which it is reached in this time beyond its rear
 BEYOND_GAP_M = 2.0
 BEYOND_SIDE_M = 0.2
@@ -95,11 +97,12 @@ class ObstaclePotential:
         prediction: Prediction,
         times_s: Reals,
         vehicle: VehicleModel,
-        reference_mps: float,
+        scene: Scene,
     ) -> None:
         self._limits, self._cost = limits, cost
-        self._prediction = prediction
-        self._vehicle, self._reference_mps = vehicle, reference_mps
+        self._prediction, self._ego = prediction, scene.ego
+        self._follows = _follows(prediction, scene.ego, vehicle)
+        self._vehicle, self._reference_mps = vehicle, scene.speed_reference_mps
         self._quantile = float(ndtri(1.0 - limits.occupied))
         self._contact_decay = np.exp(-times_s / CONTACT_S).astype(np.float32)
         self._near_decay = np.exp(-times_s / NEAR_S).astype(np.float32)
@@ -109,11 +112,9 @@ class ObstaclePotential:
         body = Body.of(motions, rows, self._vehicle)
         contact, near = np.zeros_like(body.x_m), np.zeros_like(body.x_m)
         for k in range(len(self._prediction.tracks)):
-            if self._is_far(body, k, motions.origin_m):
+            if self._follows[k] or self._is_far(body, k, motions.origin_m):
                 continue
             gap = gaps(body, self._prediction, k, motions.origin_m, self._quantile)
-            if _follows(gap):
-                continue
             speed = np.float32(self._prediction.tracks.speed_mps[k]) * gap.same_way
             contact = np.maximum(contact, self._contact(gap, body.speed_mps, speed))
             near += self._nearness(gap, body.speed_mps) + self._distance_behind(gap, body.speed_mps, speed)
@@ -132,7 +133,9 @@ class ObstaclePotential:
             np.maximum(gap.along - limits.along_m, gap.across - limits.across_m), gap.object_axes - limits.across_m
         )
         impact = 0.4 + 0.15 * np.minimum(np.abs(speed - np.maximum(other, 0.0)), 12.0)
-        return np.where(apart < 0.0, self._contact_decay * impact * (0.3 + np.minimum(-apart, 0.7)), np.float32(0.0))
+        share = np.where(speed < STANDING_MPS, STANDING_SHARE, np.float32(1.0))
+        price = self._contact_decay * share * impact * (0.3 + np.minimum(-apart, 0.7))
+        return np.where(apart < 0.0, price, np.float32(0.0))
 
     def _nearness(self, gap: Gaps, speed: Reals) -> Reals:
         """(N, T) potential of an object: more beside it than behind it, and at speed."""
@@ -151,9 +154,9 @@ class ObstaclePotential:
         cost += self._cost.time_gap * second**2 / (1.0 + 0.02 * speed**2)
         return np.where(ahead, cost, np.float32(0.0))
 
-    def blocked(self, ego: EgoState, ends_m: Reals) -> Reals:
+    def blocked(self, ends_m: Reals) -> Reals:
         """(P,) squared share of the speed that is lacking beyond the horizon at the paths' end positions."""
-        prediction, tracks = self._prediction, self._prediction.tracks
+        prediction, tracks, ego = self._prediction, self._prediction.tracks, self._ego
         allowed = np.full(len(ends_m), self._reference_mps)
         for k in np.flatnonzero(_keeps_lane(prediction)).tolist():
             same = abs(np.cos(prediction.heading_rad[k, 0] - ego.yaw_rad))
@@ -177,6 +180,9 @@ def _keeps_lane(prediction: Prediction) -> Bools:
     return keeps
 
 
-def _follows(gap: Gaps) -> bool:
-    """Whether the object is behind the car in its lane: it brakes for it."""
-    return bool(gap.forward[0, 0] < 0.0 and gap.across[0, 0] < 0.1 and gap.same_way[0, 0] > 0.8)
+def _follows(prediction: Prediction, ego: EgoState, vehicle: VehicleModel) -> Bools:
+    """(K,) whether a track drives behind the car on its part of the road: it brakes for it."""
+    tracks = prediction.tracks
+    behind = prediction.on_road & (prediction.along_mps > 0.0) & (tracks.s_m < ego.s_m)
+    follows: Bools = behind & (np.abs(tracks.d_m - ego.d_m) < 0.5 * (tracks.width_m + vehicle.width_m) + BESIDE_M)
+    return follows

@@ -4,7 +4,6 @@ candidates -> limits -> field of road, target and comfort -> objects in space an
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import asin, cos, tan
 
 import numpy as np
@@ -14,6 +13,7 @@ from vpf_sim.planning.spacetime import candidates, limits
 from vpf_sim.planning.spacetime.candidates import Paths, PathState, Profiles
 from vpf_sim.planning.spacetime.field import ending_lanes, field
 from vpf_sim.planning.spacetime.limits import REJECTED
+from vpf_sim.planning.spacetime.motion import Motion, Rejected
 from vpf_sim.planning.spacetime.motions import Motions, motions
 from vpf_sim.planning.spacetime.obstacles import ObstaclePotential
 from vpf_sim.planning.spacetime.settings import SpacetimeSettings
@@ -26,38 +26,6 @@ LARGEST_ANGLE_RAD = 0.9
 SLOW_MPS = 0.3  # below it the yaw rate tells nothing of the curvature
 MOST_CHANGE_M = 3.0
 SPEED_CHANGE_S = 1.0
-
-
-@dataclass(frozen=True, slots=True)
-class Motion:
-    """The chosen motion, and why the others were not."""
-
-    time_s: float  # at which it begins
-    start: PathState
-    path: Paths  # one
-    profile: Profiles  # one
-    times_s: Reals  # (T,) from its beginning
-    cost: float
-    rejected: Mapping[str, int]  # number of rejected candidates by the limit that they break most
-    is_rejected: bool  # it breaks a limit, as all others do
-
-    def speed_at(self, time_s: float) -> float:
-        """m/s along the road."""
-        return float(np.interp(time_s - self.time_s, self.times_s, self.profile.speed_mps[0]))
-
-    def acceleration_at(self, time_s: float) -> float:
-        """m/s^2 along the road."""
-        return float(np.interp(time_s - self.time_s, self.times_s, self.profile.acceleration_mps2[0]))
-
-    def s_at(self, time_s: float) -> float:
-        """m along the road."""
-        travelled = np.interp(time_s - self.time_s, self.times_s, self.profile.travelled_m[0])
-        return self.start.s_m + float(travelled)
-
-    def path_at(self, s_m: float) -> tuple[float, float, float]:
-        """d m, d d / d s and d^2 d / d s^2 /m at s."""
-        d, slope, bend = self.path.at(np.array([s_m]))
-        return float(d[0]), float(slope[0]), float(bend[0])
 
 
 class SpacetimePlanner:
@@ -77,7 +45,7 @@ class SpacetimePlanner:
         prices = limits.prices(self._settings.limits, considered, self._times_s, scene.road.overhang_m)
         potentials = field(self._settings.cost, considered, scene.road, scene.speed_reference_mps, paths.end_m)
         objects = self._objects(scene)
-        beyond = objects.blocked(scene.ego, paths.end_m) + self._ending_lanes(scene, start, paths)
+        beyond = objects.blocked(paths.end_m) + self._ending_lanes(scene, start, paths)
         shape = considered.d_m.shape[:2]
         price = np.broadcast_to(sum(prices.values()), shape).ravel()
         cost = sum(potentials.values()) + beyond[:, None] + self._changes(scene, paths, profiles)
@@ -94,9 +62,7 @@ class SpacetimePlanner:
     def _objects(self, scene: Scene) -> ObstaclePotential:
         prediction = predict(scene.road, scene.tracks, self._times_s)
         settings = self._settings
-        return ObstaclePotential(
-            settings.limits, settings.cost, prediction, self._times_s, self._vehicle, scene.speed_reference_mps
-        )
+        return ObstaclePotential(settings.limits, settings.cost, prediction, self._times_s, self._vehicle, scene)
 
     def _ending_lanes(self, scene: Scene, start: PathState, paths: Paths) -> Reals:
         return ending_lanes(self._settings.cost, scene.road, start, self._vehicle.width_m, paths.end_m)
@@ -180,9 +146,9 @@ def slip_rad(speed_mps: float, yaw_rate_radps: float, vehicle: VehicleModel) -> 
     return asin(min(max(yaw_rate_radps * vehicle.l_r_m / speed_mps, -LARGEST_ANGLE_RAD), LARGEST_ANGLE_RAD))
 
 
-def _reasons(prices: Mapping[str, Reals], shape: tuple[int, ...], collisions: int) -> dict[str, int]:
+def _reasons(prices: Mapping[str, Reals], shape: tuple[int, ...], collisions: int) -> Rejected:
     """The number of rejected candidates by the limit that they break most; of objects, as far as they were compared."""
     table = np.stack([np.broadcast_to(price, shape).ravel() for price in prices.values()])
     is_rejected = table.sum(axis=0) > REJECTED
     counts = np.bincount(table[:, is_rejected].argmax(axis=0), minlength=len(table)).tolist()
-    return {name: count for name, count in (*zip(prices, counts, strict=True), ("collision", collisions)) if count}
+    return Rejected(**dict(zip(prices, counts, strict=True)), collision=collisions)

@@ -3,8 +3,9 @@
 from math import atan
 
 from vpf_sim.geometry import wrap_angle
+from vpf_sim.planning.spacetime.motion import Motion
 from vpf_sim.planning.spacetime.motions import LEAST_STRETCH, path_curvature
-from vpf_sim.planning.spacetime.planner import Motion, slip_rad
+from vpf_sim.planning.spacetime.planner import slip_rad
 from vpf_sim.scene.road import Road
 from vpf_sim.types import Observation, TrackingTarget, VehicleModel
 

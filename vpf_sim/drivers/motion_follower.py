@@ -1,0 +1,45 @@
+"""Plans in space and time ten times a second, and follows the motion; `expert` and `vpf-scene` share it."""
+
+import numpy as np
+
+from vpf_sim.controllers import trajectory
+from vpf_sim.planning.spacetime import settings
+from vpf_sim.planning.spacetime.motion import Motion, MotionPlan
+from vpf_sim.planning.spacetime.planner import SpacetimePlanner
+from vpf_sim.planning.spacetime.tracking import target
+from vpf_sim.scene import Road, Scene
+from vpf_sim.types import Command, Force, Observation, Perception, Plan, Reference, VehicleModel
+
+REPLAN_S = 0.1
+EXACT_S = 1e-6  # rounding of times
+NO_FORCE = Force(*np.zeros((4, 2)))
+
+
+class MotionFollower:
+    """The planner with its last motion, and the controller."""
+
+    def __init__(self, vehicle: VehicleModel) -> None:
+        self._vehicle = vehicle
+        self._planner = SpacetimePlanner(settings.load(), vehicle)
+        self.motion: Motion | None = None
+        self.plan: Plan | None = None  # of the last step
+
+    def is_due(self, time_s: float) -> bool:
+        """Whether a new motion is due."""
+        return self.motion is None or time_s >= self.motion.time_s + REPLAN_S - EXACT_S
+
+    def replan(self, scene: Scene) -> None:
+        """Plan the motion anew."""
+        self.motion = self._planner.plan(scene)
+
+    def command(
+        self, road: Road, observation: Observation, place_m: tuple[float, float], perception: Perception | None = None
+    ) -> Command:
+        """The command for the car at (s, d) m."""
+        if self.motion is None:
+            raise ValueError("motion: expected a plan before the first command, got none")
+        wanted = target(self.motion, road, observation, place_m, self._vehicle)
+        heading_rad = observation.yaw_rad - wanted.course_error_rad
+        extra = MotionPlan(self.motion, road, observation.pose)
+        self.plan = Plan(perception, NO_FORCE, Reference(heading_rad, wanted.speed_mps), extra)
+        return trajectory.command(wanted, observation.speed_mps, self._vehicle)
