@@ -3,18 +3,17 @@
 from typing import Any
 
 import numpy as np
-import pytest
 from flow_made import CAMERA, anywhere, driving
 from test_replay_parts import recording
 
 from vpf_sim.replay import drive_warnings
 from vpf_sim.replay.camera_fixed_points import CameraFixedPoints
 from vpf_sim.replay.mounting_estimate import Angle
-from vpf_sim.replay.recording import Origin
+from vpf_sim.replay.recording import IMAGES, Origin
 from vpf_sim.replay.tables import warnings as warnings_table
 
 CLEAN = CameraFixedPoints(CAMERA)
-SURE, WIDE = Angle(0.002, 0.03, 10.0, 100.0), Angle(0.05, -0.1, 0.2, 2.0)
+SURE, WIDE = Angle(0.002, 0.03, 10.0), Angle(0.05, -0.1, 0.2)
 
 
 def record(flow: float | None = 1.0, lane: float | None = 1.0) -> dict[str, Any]:
@@ -47,24 +46,17 @@ def test_share_of_frames_without_flow_or_lane_has_a_warning() -> None:
     assert "60 %" in warning["lane"]
 
 
-@pytest.mark.parametrize(
-    ("camera", "words"),
-    [
-        ("1.4 m above the road assumed; f = 831 px", "0.71 to 1.57 times"),
-        ("1.40 m above the road by its lanes, taken to be 3.5 m wide", "0.86 to 1.14 times"),
-        ("drive.toml", "as exact as the camera's height"),
-    ],
-)
-def test_speed_by_flow_is_as_certain_as_the_height(camera: str, words: str) -> None:
-    origins = {"camera": Origin("assumed", camera), "speed_mps": Origin("derived", "from the road's flow")}
-    assert words in found_warnings(origins=origins)["speed"]
+def test_assumed_lens_has_a_warning_with_its_range() -> None:
+    warning = found_warnings(assumed=frozenset({"lens"}))["field of view"]
+    assert "40 to 130 deg" in warning
 
 
-def test_unusual_lane_width_is_in_the_speed_warning() -> None:
-    how = Origin("assumed", "1.4 m above the road assumed")
-    origins = {"camera": how, "speed_mps": Origin("derived", "from the road's flow")}
-    assert "lanes come out 2.6 m wide" in found_warnings(lanes_m=(2.6, 2.6, 2.7), origins=origins)["speed"]
-    assert "lanes come out" not in found_warnings(lanes_m=(3.4,), origins=origins)["speed"]
+def test_speed_by_flow_has_its_interval_and_an_unusual_lane_width() -> None:
+    origins = {"speed_mps": Origin("derived", "from the road's flow", frozenset({IMAGES}))}
+    seen = {lanes_m: found_warnings(lanes_m=lanes_m, origins=origins)["speed"] for lanes_m in ((2.5, 2.5), (3.4,))}
+    assert "the truth may be 13.8 to 16.1" in seen[3.4,]
+    assert "lanes come out" not in seen[3.4,]
+    assert "lanes come out 2.5 m wide" in seen[2.5, 2.5]
 
 
 def test_camera_fixed_points_have_a_warning_in_the_table() -> None:

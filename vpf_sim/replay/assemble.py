@@ -13,7 +13,7 @@ from vpf_sim.geometry import unwrapped
 from vpf_sim.planning import variant
 from vpf_sim.replay import calibrate, camera_motion, consistency, derived, lane_height, plausible, series
 from vpf_sim.replay.mounting_estimate import Angle
-from vpf_sim.replay.recording import IMAGES, Frame, Kind, Origin, Recording
+from vpf_sim.replay.recording import IMAGES, Assumption, Frame, Kind, Origin, Recording
 from vpf_sim.replay.rectify import Lens, Mounting, rectified, rectified_frames, reduction, rotation
 from vpf_sim.types import Bools, Camera, Floats, Image
 
@@ -38,7 +38,7 @@ class Source:
     lens: Lens
     mounting: Mounting | None = None  # None: estimated from the images
     height_m: float = HEIGHT_M  # of the camera, if the mounting is unknown
-    height_assumed: bool = False  # then estimated from the lane width
+    assumed: frozenset[Assumption] = frozenset()  # of the camera; an assumed height is estimated from the lane width
     wheelbase_m: float = WHEELBASE_M
     camera_ahead_m: float = CAMERA_AHEAD_M
     signals: dict[str, Floats] = field(default_factory=dict)
@@ -171,7 +171,7 @@ def _calibrated_by_flow(source: Source) -> calibrate.FlowCalibration | None:
 
 def _height_by_lanes(source: Source) -> float:
     """Set an assumed camera height by the lane width; returns the ratio of new to old height."""
-    if not source.height_assumed or source.mounting is None or source.no_images:
+    if "height" not in source.assumed or source.mounting is None or source.no_images:
         return 1.0
     camera, rectify_image = rectified(source.lens, source.mounting)
     config = variant.load(calibrate.VARIANT).road_edges
@@ -181,6 +181,7 @@ def _height_by_lanes(source: Source) -> float:
         return 1.0
     scale = found / source.mounting.height_m
     source.height_m, source.mounting = found, replace(source.mounting, height_m=found)
+    source.assumed = source.assumed - {"height"} | {"height by lanes"}
     origin = source.origins["camera"]
     how = f"{origin.how}; {found:.2f} m above the road by its lanes, assumed {config.lane_width_m:g} m wide"
     source.origins["camera"] = Origin(origin.kind, how)
@@ -283,6 +284,7 @@ def _finished(source: Source) -> Recording:
         weather=source.weather,
         notes=tuple(source.notes),
         mounting_found=source.mounting_found,
+        assumed=source.assumed,
         no_images=source.no_images,
         files=tuple(source.files),
         bridged=source.bridged,

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from vpf_sim.files import file_name
-from vpf_sim.replay import camera_fixed_points, drive_warnings, scores
+from vpf_sim.replay import camera_fixed_points, drive_warnings, scores, speed_interval
 from vpf_sim.replay.frame_table import FrameRow, FrameTable
 from vpf_sim.replay.open_loop_driver import DriverError, OpenLoopDriver
 from vpf_sim.replay.recording import Recording
@@ -78,6 +78,7 @@ def _without_warnings(
             "height_m": scores.rounded(camera.height_m),
         },
         "mounting": drive_warnings.mounting(recording) or None,
+        "speed_interval": _speed_interval(recording),
         "notes": [*recording.notes, *scores.notes(table, recording)],
         "driven": bool(np.isfinite(table.throttle).any()),
         "no_images": recording.no_images or None,
@@ -94,3 +95,13 @@ def _added(recording: Recording) -> str | None:
     """What was simulated on top of the recording, if anything."""
     origins = [recording.origins[name] for name in ("weather", "sensor_faults") if name in recording.origins]
     return "; ".join(origin.how for origin in origins if origin.kind != "recorded") or None
+
+
+def _speed_interval(recording: Recording) -> dict[str, Any] | None:
+    """The interval of the mean speed, and of its ratio to the stated one; None if it does not come from the images."""
+    found = speed_interval.of(recording)
+    if found is None:
+        return None
+    least, most = found.range_mps
+    values = {"mean_mps": found.mean_mps, "from_mps": least, "to_mps": most, "low": found.low, "high": found.high}
+    return {**{key: scores.rounded(value) for key, value in values.items()}, "narrowed_by": found.parts[0].remedy}

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from vpf_sim.replay import speed_interval
 from vpf_sim.replay.camera_fixed_points import Artefact, CameraFixedPoints
 from vpf_sim.replay.mounting_estimate import Angle
 from vpf_sim.replay.recording import Recording
@@ -12,10 +13,6 @@ from vpf_sim.replay.scores import rounded
 
 CERTAIN_RAD = 0.009  # half width of an interval that needs no warning: half a degree
 MOST_MISSING_SHARE = 0.05  # share of frames without flow or lane that needs a warning
-LANE_WIDTHS_M, MOUNTING_HEIGHTS_M = (3.0, 4.0), (1.0, 2.2)  # usual ranges
-ASSUMED_HEIGHT = "m above the road assumed"  # wording of the camera's origin
-BY_LANES = "above the road by its lanes"
-ASSUMED_LENS = "field of view"
 
 DriveWarning = tuple[str, str]  # (what, why)
 
@@ -49,9 +46,11 @@ def _interval_deg(found: Angle) -> dict[str, Any]:
 
 
 def _lens(recording: Recording) -> DriveWarning | None:
-    if ASSUMED_LENS not in recording.origins["camera"].how:
+    if "lens" not in recording.assumed:
         return None
-    return "field of view", "60 deg across, assumed: distances, speed and angles depend on it; give fx_px"
+    narrow, wide = sorted(speed_interval.VIEWS_DEG)
+    why = f"60 deg across, assumed; cameras have {narrow:g} to {wide:g} deg"
+    return "field of view", f"{why}: distances, speed and angles depend on it; give field_of_view_deg or fx_px"
 
 
 def _mounting(recording: Recording) -> DriveWarning | None:
@@ -72,25 +71,15 @@ def _interval(found: Angle) -> str:
 
 
 def _speed(recording: Recording, lane_widths_m: Sequence[float]) -> DriveWarning | None:
-    """Scale error of a speed by the flow: that of the camera's height, checked by the lane width."""
-    speed, camera = recording.origins["speed_mps"], recording.origins["camera"]
-    if "flow" not in speed.how:
+    """The interval of a speed by the flow, and whether the lanes have an unusual width."""
+    found = speed_interval.of(recording)
+    if found is None:
         return None
-    height, width = recording.camera.height_m, 3.5
-    if BY_LANES in camera.how:
-        why, scale = "lanes are 3 to 4 m wide", np.array(LANE_WIDTHS_M) / width
-    elif ASSUMED_HEIGHT in camera.how:
-        why, scale = (
-            f"the camera may be {MOUNTING_HEIGHTS_M[0]:g} to {MOUNTING_HEIGHTS_M[1]:g} m high",
-            np.array(MOUNTING_HEIGHTS_M) / height,
-        )
-    else:
-        return "speed", "from the road's flow, as exact as the camera's height and focal length"
-    lanes_m = float(np.median(lane_widths_m)) if len(lane_widths_m) else width
-    if not LANE_WIDTHS_M[0] <= lanes_m <= LANE_WIDTHS_M[1]:
-        why += f", and lanes come out {lanes_m:.1f} m wide"
-    times = f"{scale[0]:.2f} to {scale[1]:.2f} times the stated value"
-    return "speed", f"from the road's flow, {times}, since {why}: give height_m, or a table with the speed"
+    (narrow, wide), what = speed_interval.LANE_WIDTHS_M, speed_interval.text(found)
+    lanes_m = float(np.median(lane_widths_m)) if len(lane_widths_m) else None
+    if lanes_m is not None and not narrow <= lanes_m <= wide:
+        what += f"; lanes come out {lanes_m:.1f} m wide"
+    return "speed", what
 
 
 def _share(what: str, found: float | None, then: str) -> DriveWarning | None:

@@ -14,6 +14,7 @@ from vpf_sim.replay.mounting_estimate import Angle
 from vpf_sim.types import Bools, Camera, Floats, Image
 
 Kind = Literal["recorded", "derived", "assumed", "absent"]
+Assumption = Literal["lens", "height", "height by lanes"]  # of the camera
 IMAGES = "images"  # name of the flow among the inputs of a signal
 
 
@@ -81,6 +82,7 @@ class Recording:
     weather: str = ""  # as recorded; empty if not
     notes: tuple[str, ...] = ()  # gaps and assumptions, a line each
     mounting_found: Mapping[str, Angle] = field(default_factory=dict)  # estimated "pitch" and "yaw"
+    assumed: frozenset[Assumption] = frozenset()  # what is not known of the camera
     no_images: str = ""  # reason and remedy; `frames` raises it as an InputError
     files: tuple[Path | None, ...] = ()  # images and other files it is read from; some may be missing
     bridged: Mapping[str, Bools] = field(default_factory=dict)  # (N,) where a signal is interpolated over a gap

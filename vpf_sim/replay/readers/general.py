@@ -11,7 +11,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.replay import assemble, drive_file, image_files, video_file
 from vpf_sim.replay.drive_file import CameraKeys, DriveFile, SignalKeys
 from vpf_sim.replay.readers import general_signals
-from vpf_sim.replay.recording import Frame, Origin, Recording
+from vpf_sim.replay.recording import Assumption, Frame, Origin, Recording
 from vpf_sim.replay.rectify import Lens, Mounting
 from vpf_sim.types import Floats
 
@@ -61,7 +61,7 @@ def _recording(folder: Path, drive: DriveFile, source_frames: _FrameSource) -> R
         lens=_lens(keys, source_frames.size),
         mounting=_mounting(keys),
         height_m=keys.height_m or assemble.HEIGHT_M,
-        height_assumed=keys.height_m is None,
+        assumed=_assumed(keys),
         wheelbase_m=drive.vehicle.wheelbase_m,
         camera_ahead_m=keys.ahead_of_rear_axle_m,
         weather=drive.weather,
@@ -153,13 +153,22 @@ def _mounting(keys: CameraKeys) -> Mounting | None:
     return Mounting(pitch, yaw, roll, keys.height_m or assemble.HEIGHT_M)
 
 
+def _assumed(keys: CameraKeys) -> frozenset[Assumption]:
+    """What is not known of the camera."""
+    unknown: dict[Assumption, bool] = {
+        "lens": keys.fx_px is None and keys.field_of_view_deg is None,
+        "height": keys.height_m is None,
+    }
+    return frozenset(name for name, is_unknown in unknown.items() if is_unknown)
+
+
 def _camera_origin(keys: CameraKeys, lens: Lens) -> Origin:
     """What is set and what is assumed about the camera."""
-    assumed = []
-    if keys.fx_px is None and keys.field_of_view_deg is None:
+    assumed, unknown = [], _assumed(keys)
+    if "lens" in unknown:
         side = "across" if lens.width_px >= lens.height_px else "vertically"
         assumed.append(f"field of view {np.degrees(assemble.FIELD_OF_VIEW_RAD):.0f} deg {side}")
-    if keys.height_m is None:
+    if "height" in unknown:
         assumed.append(f"{assemble.HEIGHT_M:g} m above the road")
     if assumed:
         return Origin("assumed", f"{' and '.join(assumed)} assumed; f = {lens.fx_px:.0f} px")

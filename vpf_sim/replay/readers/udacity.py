@@ -57,7 +57,7 @@ def read(folder: Path) -> Recording:
         files=files,
         lens=assemble.assumed_lens(*size),
         height_m=HEIGHT_M,
-        height_assumed=True,
+        assumed=frozenset({"lens", "height"}),
         wheelbase_m=WHEELBASE_M,
     )
     if not all(present):
