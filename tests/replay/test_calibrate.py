@@ -60,6 +60,15 @@ def test_mounting_is_estimated_with_and_without_recorded_motion(straight: list[F
         assert own.mounting.height_m == street.CAMERA_HEIGHT_M
 
 
+@pytest.mark.parametrize("height_m", [0.4, 0.6, 6.0])
+def test_mounting_does_not_depend_on_a_doubtful_scale(straight: list[Frame], height_m: float) -> None:
+    """With a wrong height the speed and all metres are wrong, but not the angles."""
+    camera, _ = rectify.rectified(LENS, Mounting(height_m=height_m))
+    own = calibrate.estimate(iter(straight), camera, TIMES_S, None, None)
+    assert own.mounting.pitch_rad == pytest.approx(0.06, abs=own.pitch.half_width_rad)
+    assert own.mounting.yaw_rad == pytest.approx(-0.05, abs=own.yaw.half_width_rad)
+
+
 def test_speed_and_yaw_rate_follow_from_the_images(straight: list[Frame]) -> None:
     own = estimated(straight, None, None)
     assert np.nanmedian(own.speed_mps) == pytest.approx(SPEED_MPS, rel=0.08)

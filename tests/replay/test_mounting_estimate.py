@@ -10,9 +10,9 @@ PRIOR, FIT = 0.05, 0.002
 TRUE = -0.06
 
 
-def found(count: int, seconds: float, scatter_rad: float, speed_mps: float = 12.0, seed: int = 0) -> Angle:
+def found(count: int, seconds: float, scatter_rad: float, seed: int = 0) -> Angle:
     observed = TRUE + stream(seed, "sightings").normal(0.0, scatter_rad, count)
-    return angle(observed, np.full(count, FIT), PRIOR, seconds, seconds * speed_mps)
+    return angle(observed, np.full(count, FIT), PRIOR, seconds)
 
 
 def test_long_straight_drive_gives_a_correct_angle_in_use() -> None:
@@ -23,20 +23,18 @@ def test_long_straight_drive_gives_a_correct_angle_in_use() -> None:
 
 
 @pytest.mark.parametrize(
-    ("count", "seconds", "scatter_rad", "speed_mps"),
-    [(6, 0.24, 0.002, 12.0), (25, 0.9, 0.002, 12.0), (30, 5.0, 0.1, 12.0), (40, 4.0, 0.002, 1.5)],
-    ids=["six observations", "25 observations", "large scatter", "short drive"],
+    ("count", "seconds", "scatter_rad"),
+    [(6, 0.24, 0.002), (25, 0.9, 0.002), (30, 5.0, 0.1)],
+    ids=["six observations", "25 observations", "large scatter"],
 )
-def test_too_short_or_scattered_drive_is_not_used(
-    count: int, seconds: float, scatter_rad: float, speed_mps: float
-) -> None:
-    result = found(count, seconds, scatter_rad, speed_mps)
+def test_too_short_or_scattered_drive_is_not_used(count: int, seconds: float, scatter_rad: float) -> None:
+    result = found(count, seconds, scatter_rad)
     assert not result.is_used
     assert result.used_rad == 0.0
 
 
 def test_no_observations_give_the_prior() -> None:
-    result = angle(np.empty(0), np.empty(0), PRIOR, 0.0, 0.0)
+    result = angle(np.empty(0), np.empty(0), PRIOR, 0.0)
     assert (result.rad, result.sd_rad, result.is_used) == (0.0, PRIOR, False)
 
 
@@ -52,6 +50,6 @@ def test_interval_contains_the_truth() -> None:
     for seed in range(200):
         stretches = stream(seed, "stretches").normal(0.0, 0.01, 20)
         observed = TRUE + np.repeat(stretches, 5)
-        result = angle(observed, np.full(100, FIT), PRIOR, 20 * CORRELATED_S, 60.0)
+        result = angle(observed, np.full(100, FIT), PRIOR, 20 * CORRELATED_S)
         held.append(abs(result.rad - TRUE) < result.half_width_rad)
     assert np.mean(held) > 0.9

@@ -56,7 +56,6 @@ class _Directions:
 
     foe_px: Floats  # (M, 2)
     sd_px: Floats  # (M, 2) by each fit
-    speed_mps: Floats  # (M,) nan if unknown
     gives_yaw: Bools  # (M,) whether the yaw rate is known; else a yaw rate looks like a yaw angle
 
     def __len__(self) -> int:
@@ -163,28 +162,19 @@ def _travel_directions(
         if found.confidence > 0.0 and np.sqrt(found.covariance_px2.trace()) < MOST_FOE_SD_RAD * camera.fx_px:
             shift = camera.fx_px * ahead_m * rate / one.speed_mps
             spread = np.sqrt(found.covariance_px2.diagonal())
-            speed = one.speed_mps if np.isfinite(one.speed_mps) else _speed(flow, camera, mounting)
-            rows.append((found.x_px - shift, found.y_px, *spread, speed, float(recorded or straight_only)))
-    directions = np.reshape(np.array(rows), (-1, 6))
-    return _Directions(directions[:, :2], directions[:, 2:4], directions[:, 4], directions[:, 5] > 0.0)
-
-
-def _speed(flow: Flow, camera: Camera, mounting: Mounting) -> float:
-    """m/s, rough; nan where no road is visible."""
-    votes = road_speed.votes(flow, camera, mounting)
-    return float(np.median(votes[:, 0])) if len(votes) else float("nan")
+            rows.append((found.x_px - shift, found.y_px, *spread, float(recorded or straight_only)))
+    directions = np.reshape(np.array(rows), (-1, 5))
+    return _Directions(directions[:, :2], directions[:, 2:4], directions[:, 4] > 0.0)
 
 
 def _angles(camera: Camera, directions: _Directions, second_s: float) -> tuple[Angle, Angle]:
     """Pitch and yaw by directions that cover `second_s` of driving each."""
-    known = directions.speed_mps[np.isfinite(directions.speed_mps)]
-    speed = float(np.median(known)) if len(known) else 0.0
     focal = np.array([camera.fx_px, camera.fy_px])
     observed_rad = observed_angles(camera, directions.foe_px)
     durations_s = (second_s * len(directions), second_s * float(np.count_nonzero(directions.gives_yaw)))
     sds_rad = (directions.sd_px / focal).T[::-1]
     pitch, yaw = (
-        angle(values, sd, prior, seconds, seconds * speed)
+        angle(values, sd, prior, seconds)
         for values, sd, prior, seconds in zip(observed_rad, sds_rad, PRIOR_SD_RAD, durations_s, strict=True)
     )
     return pitch, yaw

@@ -14,7 +14,7 @@ from vpf_sim.types import Camera, Floats
 PRIOR_SD_RAD = (0.07, 0.05)  # of pitch and yaw in usual mountings: 4 and 3 deg
 CORRELATED_S = 0.3  # observations within this time are not independent
 PERSISTENT_SD_RAD = 0.002  # error that all observations of a drive share
-LEAST_S, LEAST_M = 1.0, 10.0  # of driving, below which no angle is used
+LEAST_S = 1.0  # of driving, below which no angle is used
 WIDEST_RAD = 0.0175  # half width of the 95 % interval, above which no angle is used: 1 deg
 IN_95_PERCENT = 1.96
 NORMAL = 1.48 / 2.0  # standard deviation over interquartile range, normal distribution
@@ -27,7 +27,6 @@ class Angle:
     sd_rad: float
     rad: float = 0.0
     seconds: float = 0.0
-    metres: float = 0.0
 
     @property
     def half_width_rad(self) -> float:
@@ -35,15 +34,15 @@ class Angle:
 
     @property
     def is_used(self) -> bool:
-        """Whether it is certain enough to rotate the image by it."""
-        return self.half_width_rad <= WIDEST_RAD and self.seconds >= LEAST_S and self.metres >= LEAST_M
+        """Whether it is certain enough to rotate the image by it; speed and scale do not matter for an angle."""
+        return self.half_width_rad <= WIDEST_RAD and self.seconds >= LEAST_S
 
     @property
     def used_rad(self) -> float:
         return self.rad if self.is_used else 0.0
 
 
-def angle(observed_rad: Floats, sd_rad: Floats, prior_sd_rad: float, seconds: float, metres: float) -> Angle:
+def angle(observed_rad: Floats, sd_rad: Floats, prior_sd_rad: float, seconds: float) -> Angle:
     """Posterior of an angle from M observations (M,) with standard deviations (M,).
 
     The prior is normal about straight ahead. The error of the observations' median follows from their scatter and
@@ -55,7 +54,7 @@ def angle(observed_rad: Floats, sd_rad: Floats, prior_sd_rad: float, seconds: fl
     scatter = NORMAL * float(np.subtract(*np.percentile(observed_rad, [75, 25])))
     variance = (1.25**2 * scatter**2 + float(np.median(sd_rad)) ** 2) / independent + PERSISTENT_SD_RAD**2
     share = prior_sd_rad**2 / (prior_sd_rad**2 + variance)
-    return Angle(float(np.sqrt(share * variance)), share * float(np.median(observed_rad)), seconds, metres)
+    return Angle(float(np.sqrt(share * variance)), share * float(np.median(observed_rad)), seconds)
 
 
 def observed_angles(camera: Camera, foe_px: Floats) -> tuple[Floats, Floats]:
