@@ -1,7 +1,6 @@
 """The command line: exit codes, one-line errors, and JSON output."""
 
 import json
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -10,11 +9,6 @@ import pytest
 from short_scenario import write_short
 
 from vpf_sim import cli
-
-
-def vpf_sim(*arguments: str, cwd: Path | None = None, **environment: str) -> "subprocess.CompletedProcess[str]":
-    command = [sys.executable, "-m", "vpf_sim.cli", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, env={**os.environ, **environment})
 
 
 @pytest.mark.parametrize(
@@ -77,18 +71,21 @@ def test_a_run_folder_is_not_overwritten(capsys: pytest.CaptureFixture[str], tmp
     assert "expected an empty or new run folder" in capsys.readouterr().err
 
 
-def test_watch_is_refused_without_a_display(tmp_path: Path) -> None:
-    done = vpf_sim("drive", "straight", "--watch", cwd=tmp_path, SDL_VIDEODRIVER="offscreen")
-    assert done.returncode == 2
-    assert "no display" in done.stderr
-    assert "Traceback" not in done.stderr
+def test_watch_is_refused_without_a_display(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("SDL_VIDEODRIVER", "offscreen")
+    assert cli.run(["drive", "straight", "--watch"]) == 2
+    assert "no display" in capsys.readouterr().err
 
 
-def test_drive_prints_one_json_object_and_its_exit_code_is_the_result(tmp_path: Path) -> None:
-    short = str(write_short(tmp_path))
-    good = vpf_sim("drive", short, "--driver", "pid", "--seed", "4", "--json", cwd=tmp_path)
-    assert good.returncode == 0
-    record = json.loads(good.stdout)
+def test_drive_prints_one_json_object_and_its_exit_code_is_the_result(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert cli.run(["drive", str(write_short(tmp_path)), "--driver", "pid", "--seed", "4", "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
     assert record["timing"].keys() == {"wall_s", "steps_per_s"}
     (out,) = (tmp_path / "runs").iterdir()
     stored = json.loads((out / "episodes.jsonl").read_text())
@@ -118,7 +115,8 @@ class Unmade(Broken):
 def test_a_users_driver_is_found_in_the_working_directory(tmp_path: Path) -> None:
     short = str(write_short(tmp_path))
     (tmp_path / "mine.py").write_text(DRIVER)
-    broken = vpf_sim("drive", short, "--driver", "mine:Broken", "--json", cwd=tmp_path)
+    command = [sys.executable, "-m", "vpf_sim.cli", "drive", short, "--driver", "mine:Broken", "--json"]
+    broken = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
     assert (broken.returncode, json.loads(broken.stdout)["status"]) == (1, "error")
     assert "KeyError: 'lost'" in broken.stderr
     assert "Traceback" not in broken.stderr

@@ -193,11 +193,12 @@ class Stopping(vpf_sim.Driver):
 
 def test_a_changed_ending_has_both_films_and_both_paths(tmp_path: Path) -> None:
     scenario = str(write_short(tmp_path))
-    options: dict[str, Any] = {"seeds": "3:4", "progress": False}
-    a = vpf_sim.sweep(scenario, driver="pid", out=tmp_path / "a", **options)
-    b = vpf_sim.sweep(scenario, driver=Stopping, out=tmp_path / "b", **options)
+    a = vpf_sim.drive(scenario, driver="pid", seed=3, out=tmp_path / "a").path
+    b = vpf_sim.drive(scenario, driver=Stopping, seed=3, out=tmp_path / "b").path
+    assert a is not None
+    assert b is not None
     written = vpf_sim.report(a, b, clips=1)
-    assert (written.path, written.page) == (b.path, b.path / "compare.html")
+    assert (written.path, written.page) == (b, b / "compare.html")
     assert written.page is not None
     html = written.page.read_text()
     part = html[html.index('id="changes"') : html.index('id="scores"')]

@@ -1,8 +1,6 @@
 """An invalid camera frame ends the episode, and every command that drives warns of it."""
 
 import json
-import os
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -10,7 +8,9 @@ from typing import Any
 import pytest
 from short_scenario import write_short
 
+from vpf_sim import cli
 from vpf_sim.api import filling
+from vpf_sim.envs import camera
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.metrics.scoring import failed
@@ -37,24 +37,25 @@ class Driver:
 SENTENCE = "invalid frame 19, at 0.317 s: all black"
 
 
-def vpf_sim(folder: Path, *arguments: str) -> "subprocess.CompletedProcess[str]":
-    command = [sys.executable, "-m", "vpf_sim.cli", *arguments, "--driver", "breaking:Driver", "--json", "--out", "run"]
-    return subprocess.run(command, capture_output=True, text=True, cwd=folder, env=dict(os.environ), check=False)
-
-
 @pytest.mark.parametrize(
     "command",
     [["drive", "short.toml"], ["sweep", "--scenario", "short.toml", "--seeds", "0:1", "--workers", "1"]],
     ids=["drive", "sweep"],
 )
-def test_a_broken_camera_prints_a_warning(command: list[str], tmp_path: Path) -> None:
+def test_a_broken_camera_prints_a_warning(
+    command: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     write_short(tmp_path)
     (tmp_path / "breaking.py").write_text(BREAKING)
-    done = vpf_sim(tmp_path, *command)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "breaking", raising=False)
+    monkeypatch.setattr(camera, "Renderer", camera.Renderer)  # which the driver's module changes
+    assert cli.run([*command, "--driver", "breaking:Driver", "--json", "--out", "run"]) == 1
     (record,) = read_lines(tmp_path / "run" / "episodes.jsonl")
-    assert done.returncode == 1
-    assert f"vpf-sim: WARNING: {record['id']}: {SENTENCE}\n" in done.stderr
-    json.loads(done.stdout)
+    said = capsys.readouterr()
+    assert f"vpf-sim: WARNING: {record['id']}: {SENTENCE}\n" in said.err
+    json.loads(said.out)
     assert record["status"] == "invalid_frame"
     assert record["invalid_frame"] == {"frame": 19, "time_s": pytest.approx(19 / 60), "fault": "black"}
 

@@ -12,11 +12,12 @@ from straight_road import FAR, SMALL, FakeRenderer
 from straight_road import scenario as straight
 
 from vpf_sim import drivers, scenarios
+from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.episode.episode import NO_FRAME, read, setup_for
-from vpf_sim.types import Command, Image
+from vpf_sim.types import Camera, Command, Image
 
 STEPS = 60
 THIRD, SECOND, SELDOM = (lambda step: step % 3 == 0), (lambda step: step % 2 == 0), (lambda step: step in (20, 21, 58))
@@ -42,6 +43,7 @@ kind = "cone"
 s_m = 24.0
 lane = 4
 """
+CAMERA = Rig(Camera(width_px=160, height_px=120, fx_px=80.0, fy_px=80.0, cx_px=79.5, cy_px=59.5))
 RAIN = weathers.load("rain")
 WEATHERS = {
     "clear": weathers.load("clear"),
@@ -54,7 +56,7 @@ WEATHERS = {
 
 def frames(weather: weathers.Weather, looks: Callable[[int], bool]) -> Iterator[tuple[int, Image]]:
     """The frames of the steps that are looked at, on a way that winds."""
-    with closing(FourLane(scenarios.parse(BUSY, "busy.toml"), weather)) as env:
+    with closing(FourLane(scenarios.parse(BUSY, "busy.toml"), weather, rig=CAMERA)) as env:
         env.reset(seed=5)
         for step in range(1, STEPS):
             action = np.array([0.3 * np.sin(step / 9.0), 0.2 * np.sin(step / 25.0)])

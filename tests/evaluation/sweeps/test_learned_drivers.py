@@ -1,6 +1,7 @@
 """Sweeps of learned drivers: by a relative file in worker processes, resumed, scored elsewhere, and hashed."""
 
 import json
+import shutil
 from pathlib import Path
 
 import policies
@@ -16,19 +17,29 @@ from vpf_sim.evaluation.sweeps.json_lines import read_lines
 NAME = "onnx:models/policy.onnx"
 
 
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The working directory, with a policy in models/ that steers by the picture."""
-    (tmp_path / "models").mkdir()
+@pytest.fixture(scope="module")
+def driven(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A working directory with a policy in models/ that steers by the picture, and its run by one worker."""
+    folder = tmp_path_factory.mktemp("driven")
+    (folder / "models").mkdir()
     manifest = policies.MANIFEST.partition("[state]")[0].replace("[image]", "[image]\ndeviation = 2550.0")
-    policies.write(tmp_path / "models", policies.ends_of_the_picture(), manifest, inputs=[("image", policies.IMAGE)])
-    write_short(tmp_path)
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+    policies.write(folder / "models", policies.ends_of_the_picture(), manifest, inputs=[("image", policies.IMAGE)])
+    write_short(folder)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        assert sweep("--workers", "1", "--out", "run") == 0
+    return folder
 
 
-def sweep(*more: str, seeds: str = "0:2", scenario: str = "short.toml") -> int:
-    return cli.run(["sweep", "--scenario", scenario, "--driver", NAME, "--seeds", seeds, *more])
+@pytest.fixture
+def folder(driven: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A copy that may be changed, as the working directory."""
+    monkeypatch.chdir(shutil.copytree(driven, tmp_path / "copy"))
+    return Path.cwd()
+
+
+def sweep(*more: str) -> int:
+    return cli.run(["sweep", "--scenario", "short.toml", "--driver", NAME, "--seeds", "0:2", *more])
 
 
 def lines(folder: str) -> list[str]:
@@ -36,16 +47,14 @@ def lines(folder: str) -> list[str]:
 
 
 def test_workers_find_a_relative_file_and_repeat_the_drive_to_the_bit(folder: Path) -> None:  # noqa: ARG001
-    assert sweep("--workers", "2", "--out", "a") == 0
-    assert sweep("--workers", "1", "--out", "b") == 0
-    assert lines("a") == lines("b")
-    assert len({json.loads(line)["states_sha256"] for line in lines("a")}) == 2, "the seeds' drives differ"
+    assert sweep("--workers", "2", "--out", "two") == 0
+    assert lines("two") == lines("run")
+    assert len({json.loads(line)["states_sha256"] for line in lines("run")}) == 2, "the seeds' drives differ"
 
 
 def test_a_run_is_scored_from_any_directory_and_without_the_model(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert sweep("--workers", "1", "--out", "run", scenario=str(folder / "short.toml")) == 0
     before = lines("run")
     for path in (folder / "models").iterdir():
         path.unlink()
@@ -58,7 +67,6 @@ def test_a_run_is_scored_from_any_directory_and_without_the_model(
 
 
 def test_a_stopped_run_is_resumed(folder: Path) -> None:
-    assert sweep("--workers", "1", "--out", "run") == 0
     whole = lines("run")
     (folder / "run" / "episodes.jsonl").write_text(whole[0] + "\n")
     assert sweep("--workers", "1", "--out", "run", "--resume") == 0
@@ -69,14 +77,13 @@ def test_a_stopped_run_is_resumed(folder: Path) -> None:
 def test_a_run_is_not_resumed_with_another_policy(
     suffix: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert sweep("--workers", "1", "--out", "run", seeds="0:1") == 0
     path = folder / "models" / "policy.onnx"
     if suffix == ".onnx":
         inputs = [("image", policies.IMAGE)]
         policies.write(path.parent, policies.constant(0.5, 0.0), path.with_suffix(".toml").read_text(), inputs=inputs)
     else:
         path.with_suffix(suffix).write_text(path.with_suffix(suffix).read_text().replace("20.0", "10.0"))
-    assert sweep("--workers", "1", "--out", "run", "--resume", seeds="0:1") == 2
+    assert sweep("--workers", "1", "--out", "run", "--resume") == 2
     assert f"drivers changed: {NAME}: was" in capsys.readouterr().err
 
 
