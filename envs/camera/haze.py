@@ -22,16 +22,7 @@ class Haze:
         self._extinction_per_m = atmosphere.extinction_per_m
         self._horizon = light.horizon
         self._strongest = float(np.maximum(light.horizon, 255.0 - light.horizon).max())
-        top, transmission = ground_top(camera), self.transmission(_depth_of_rows(camera))
-        hazy = int(np.count_nonzero(self._is_visible(transmission)))
-        self._rows = slice(top, top + hazy)
-        shape = (hazy, camera.width_px, 3)
-        self._transmission = np.empty(shape, np.uint8)
-        self._added = np.empty(shape, np.uint8)
-        if hazy:
-            share = np.rint(255.0 * transmission[:hazy, None, None])
-            self._transmission[:] = share
-            self._added[:] = np.rint((1.0 - share / 255.0) * self._horizon)
+        self._row_depths_m = _depth_of_rows(camera)
 
     def transmission(self, depth_m: Floats) -> Floats:
         """Transmission t at depths, 0 to 1, in the same shape."""
@@ -39,7 +30,9 @@ class Haze:
 
     def ground_rows(self) -> Image:
         """(rows, 4) transmission of 255 and the air's RGB, of the rows of the ground that show haze."""
-        return np.concatenate([self._transmission[:, 0, :1], self._added[:, 0]], axis=1)
+        transmission = self.transmission(self._row_depths_m)
+        share = np.rint(255.0 * transmission[self._is_visible(transmission), None])
+        return np.concatenate([share, np.rint((1.0 - share / 255.0) * self._horizon)], axis=1).astype(np.uint8)
 
     def _is_visible(self, transmission: Floats) -> Floats:
         """Where a transmission changes any colour by a grey level."""

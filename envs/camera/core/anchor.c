@@ -50,8 +50,8 @@ static void update_steep(vc_ground_part *ground, Level *level, const vc_view *vi
     int64_t moved = raster->valid ? first - raster->ahead : blocks;
     if (moved < -blocks || moved > blocks) moved = blocks;
     int kept = blocks - (int)(moved < 0 ? -moved : moved);
-    if (moved > 0) memmove(raster->texels, raster->texels + moved * block_texels, kept * block_texels * 2);
-    if (moved < 0) memmove(raster->texels - moved * block_texels, raster->texels, kept * block_texels * 2);
+    if (moved > 0) memmove(raster->texels, raster->texels + moved * block_texels, kept * block_texels * sizeof *raster->texels);
+    if (moved < 0) memmove(raster->texels - moved * block_texels, raster->texels, kept * block_texels * sizeof *raster->texels);
     for (int block = 0; block < blocks; block++)
         if (moved > 0 ? block >= kept : block < -moved) paint_block(ground, level, raster, first, block);
     raster->valid = 1;

@@ -59,7 +59,7 @@ FUNCTION(bind_draw_noise) {
     return draw_on(core, frame, vc_draw_noise);
 }
 
-/* core, level, (rows, columns) uint16 texels. */
+/* core, level, (rows, columns) uint32 texels. */
 FUNCTION(bind_read_raster) {
     (void)self;
     PyObject *capsule, *o[1];
@@ -69,7 +69,7 @@ FUNCTION(bind_read_raster) {
     vc_core *core = core_of(capsule);
     if (core == NULL || !take_buffers(&buffers, o, 1, 1)) return NULL;
     vc_status status = VC_INVALID;
-    uint16_t *texels = elements(&buffers, 0, vc_raster_texels(core, level), sizeof *texels);
+    uint32_t *texels = elements(&buffers, 0, vc_raster_texels(core, level), sizeof *texels);
     if (texels != NULL) status = vc_read_raster(core, level, texels);
     release(&buffers);
     return result(status);

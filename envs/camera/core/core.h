@@ -114,9 +114,9 @@ typedef struct {
 vc_status vc_set_ground(vc_core *core, const vc_ground *ground, const vc_polygons *paint, const vc_polygons *shadows);
 vc_status vc_add_level(vc_core *core, const vc_level *level); /* the farthest first, after vc_set_ground */
 
-/* Copies the texels of a level that the last frame used: (rows, columns) palette values, with shadow in the high byte. */
+/* Copies the texels of a level that the last frame used: (rows, columns) palette values, with shadow in the high half. */
 int vc_raster_texels(const vc_core *core, int level); /* rows x columns, 0 without such a level */
-vc_status vc_read_raster(const vc_core *core, int level, uint16_t *texels);
+vc_status vc_read_raster(const vc_core *core, int level, uint32_t *texels);
 
 /* A panorama at infinity: columns by azimuth, rows by elevation. Texels in units of 1 / VC_TEXEL. */
 enum { VC_TEXEL = 128 };

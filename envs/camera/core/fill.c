@@ -25,13 +25,21 @@ static int reach(Side *side, int row) {
     return 1;
 }
 
-static void fill_span(uint32_t *row, int width, double left, double right, uint32_t value) {
-    int first = left <= 0.0 ? 0 : left >= width ? width : vc_ceil(left - 0.5);
-    int last = right <= 0.0 ? 0 : right >= width ? width : vc_ceil(right - 0.5);
+/* The columns whose middles lie right of a place begin here. */
+static int column_at(double place, int width) { return place <= 0.0 ? 0 : place >= width ? width : vc_ceil(place - 0.5); }
+
+static void fill_span(uint32_t *row, int first, int last, uint32_t value) {
     for (int column = first; column < last; column++) row[column] = value;
 }
 
-void vc_fill_convex(uint32_t *canvas, int width, int height, const double *points, int count, uint32_t value) {
+static void widen(vc_extent *extent, int first, int last) {
+    if (first >= last) return;
+    extent->first = vc_min(extent->first, first);
+    extent->last = vc_max(extent->last, last);
+}
+
+void vc_fill_convex(uint32_t *canvas, int width, int height, const double *points, int count, uint32_t value,
+                    vc_extent *extents) {
     int top = 0;
     double lowest = points[1];
     for (int i = 1; i < count; i++) {
@@ -43,8 +51,9 @@ void vc_fill_convex(uint32_t *canvas, int width, int height, const double *point
     Side one = {points, count, top, 1, count, first, 0.0, 0.0}, other = {points, count, top, -1, count, first, 0.0, 0.0};
     for (int row = first; row < last; row++) {
         if (!reach(&one, row) || !reach(&other, row)) return;
-        double a = one.x, b = other.x;
-        fill_span(canvas + (size_t)row * width, width, a < b ? a : b, a < b ? b : a, value);
+        int a = column_at(one.x, width), b = column_at(other.x, width), left = vc_min(a, b), right = vc_max(a, b);
+        fill_span(canvas + (size_t)row * width, left, right, value);
+        if (extents != NULL) widen(extents + row, left, right);
         one.x += one.slope;
         other.x += other.slope;
     }

@@ -242,9 +242,9 @@ class Core:
         _core.truth(self._handle, instance, planes)
         return instance, planes
 
-    def raster(self, level: int, rows: int, columns: int) -> NDArray[np.uint16]:
-        """(rows, columns) texels of a level in the last frame: palette values, and shadow in the high byte."""
-        texels = np.empty((rows, columns), np.uint16)
+    def raster(self, level: int, rows: int, columns: int) -> NDArray[np.uint32]:
+        """(rows, columns) texels of a level in the last frame: palette values, and shadow in the high half."""
+        texels = np.empty((rows, columns), np.uint32)
         _core.read_raster(self._handle, level, texels)
         return texels
 

@@ -56,6 +56,17 @@ static void doubled(const float *noise, int count, float *out) {
     out[2 * count] = out[2 * count - 1];
 }
 
+/* Adds noise to a run of texels of one palette value. */
+static void add_run(const vc_ground_part *ground, const float *grain, const float *blotches, float blotch_gain, int count,
+                    uint8_t *values) {
+    float value = values[0], strength = ground->grain_gain[values[0]], blotch_strength = ground->blotch_gain[values[0]];
+    for (int i = 0; i < count; i++) {
+        float level = value + grain[i] * strength + blotch_gain * blotches[i] * blotch_strength + 0.5f;
+        level = level > 0.0f ? level : 0.0f;
+        values[i] = (uint8_t)(int)(level < 255.0f ? level : 255.0f);
+    }
+}
+
 /* Adds fine and coarse noise, and blotches, to a row. */
 static void add(vc_ground_part *ground, int columns, const float *gain, uint8_t *values) {
     float *const *grain = ground->scratch.grain, *steps = ground->scratch.strength[0] + 1;
@@ -67,10 +78,9 @@ static void add(vc_ground_part *ground, int columns, const float *gain, uint8_t 
     doubled(grain[2] + 1, columns / 8, half);
     doubled(half, columns / 4, quarter);
     doubled(quarter, columns / 2, shift);
-    for (int i = 0; i < columns; i++) {
-        float grained = steps[i] * ground->grain_gain[values[i]];
-        float value = values[i] + grained + gain[1] * shift[i] * ground->blotch_gain[values[i]] + 0.5f;
-        values[i] = value <= 0.0f ? 0 : value >= 255.0f ? 255 : (uint8_t)value;
+    for (int first = 0, next; first < columns; first = next) {
+        for (next = first + 1; next < columns && values[next] == values[first];) next++;
+        add_run(ground, steps + first, shift + first, gain[1], next - first, values + first);
     }
 }
 

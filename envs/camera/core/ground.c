@@ -4,22 +4,19 @@
 #include <string.h>
 
 enum { SPAN = 32, WHOLE = 16, ONE = 1 << WHOLE }; /* pixels between exact places; bits of a fraction of a texel */
+enum { PIXELS = 48 }; /* bytes of whole pixels that fill whole registers */
 
-/* a + (b - a) share / 256 in both halves. */
+/* a + (b - a) share / 256, rounded, in both halves. */
 static inline uint32_t between(uint32_t a, uint32_t b, uint32_t share) {
-    return ((a * (256 - share) + b * share + 0x00800080u) >> 8) & 0x00ff00ffu;
+    return (((a << 8) + (b - a) * share + 0x00800080u) >> 8) & 0x00ff00ffu;
 }
 
-/* Two neighbouring texels with each of their four bytes in 16 bits. */
-static inline uint64_t spread(const uint16_t *texel) {
-    uint64_t two = (uint64_t)texel[0] | (uint64_t)texel[1] << 32;
-    return (two | two << 8) & 0x00ff00ff00ff00ffu;
-}
+static inline uint64_t two(const uint32_t *texel) { return texel[0] | (uint64_t)texel[1] << 32; }
 
-/* A sample: the palette value in the low half of a word, and shadow in the high half. */
-static inline uint32_t bilinear(const uint16_t *texel, int columns, uint32_t fx, uint32_t fy) {
-    uint64_t both = spread(texel) * (256 - fy) + spread(texel + columns) * fy + 0x0080008000800080u;
-    both = (both >> 8) & 0x00ff00ff00ff00ffu;
+/* The texel at a place between four. */
+static inline uint32_t bilinear(const uint32_t *texel, int columns, uint32_t fx, uint32_t fy) {
+    uint64_t above = two(texel), below = two(texel + columns);
+    uint64_t both = (((above << 8) + (below - above) * fy + 0x0080008000800080u) >> 8) & 0x00ff00ff00ff00ffu;
     return between((uint32_t)both, (uint32_t)(both >> 32), fx);
 }
 
@@ -35,7 +32,7 @@ static int is_inside(const Run *run, int columns, int rows) {
     return run->u >= 0 && u >= 0 && run->v >= 0 && v >= 0 && run->u < wide && u < wide && run->v < tall && v < tall;
 }
 
-static void sample_run(const uint16_t *texels, int columns, int rows, const Run *run, uint32_t outside, uint32_t *out) {
+static void sample_run(const uint32_t *texels, int columns, int rows, const Run *run, uint32_t outside, uint32_t *out) {
     if (is_inside(run, columns, rows)) {
         uint32_t u = (uint32_t)run->u, v = (uint32_t)run->v, du = (uint32_t)run->du, dv = (uint32_t)run->dv;
         for (int i = 0; i < run->count; i++, u += du, v += dv)
@@ -113,10 +110,20 @@ static void colour_row(const vc_ground_part *ground, const uint32_t *texels, int
     for (int x = 0; x < width; x++) put(coloured(ground->palette, texels[x], dark), px + 3 * x);
 }
 
+static inline void haze_bytes(uint8_t *restrict px, const uint8_t *restrict air, uint16_t transmission, int count) {
+    for (int i = 0; i < count; i++) {
+        uint16_t product = (uint16_t)(px[i] * transmission + 128);
+        px[i] = (uint8_t)(((uint16_t)(product + (product >> 8)) >> 8) + air[i]); /* over 255, rounded, as vc_by_255 */
+    }
+}
+
 /* The haze of a row: a transmission, and light of the air. */
 static void haze_row(const uint8_t *haze, int width, uint8_t *px) {
-    for (int x = 0; x < width; x++, px += 3)
-        for (int i = 0; i < 3; i++) px[i] = (uint8_t)(vc_by_255(px[i] * (uint32_t)haze[0]) + haze[1 + i]);
+    uint8_t air[PIXELS];
+    for (int i = 0; i < PIXELS; i++) air[i] = haze[1 + i % 3];
+    int left = 3 * width;
+    for (; left >= PIXELS; left -= PIXELS, px += PIXELS) haze_bytes(px, air, haze[0], PIXELS);
+    haze_bytes(px, air, haze[0], left);
 }
 
 /* Samples a level's rows that are shown at row `y` of the ground. */

@@ -9,7 +9,7 @@ enum {
     VC_SLOTS = 2,      /* rasters kept by level: a camera that sways between two anchors paints neither anew */
     VC_TILE = 1024,    /* texels of noise */
     VC_STRIDE = 1040,  /* of a stored row of noise: the first texels are repeated at its end */
-    VC_SHADOW_SHIFT = 8,
+    VC_SHADOW_SHIFT = 16,
     VC_POLYGON = 64    /* most corners of a polygon */
 };
 
@@ -35,7 +35,7 @@ typedef struct {
     int64_t heading, ahead, right; /* the anchor, in turns, steps and sidesteps */
     int64_t used;                  /* the frame that used it last */
     double from_world[9];          /* (3, 3) from points (x, y, 1) m to homogeneous (column, row) of texels */
-    uint16_t *texels;
+    uint32_t *texels;
 } Raster;
 
 typedef struct {
@@ -83,7 +83,7 @@ struct vc_ground_part {
 void vc_update_rasters(vc_core *core);
 /* Paints `rows` rows of a raster from texels on. */
 void vc_paint_raster(vc_ground_part *ground, Level *level, const double *from_world, int rows,
-                     uint16_t *texels);
+                     uint32_t *texels);
 /* Adds the grain to (rows, columns) palette values. */
 void vc_add_grain(vc_ground_part *ground, const vc_level *spec, const double *to_world, int rows,
                   uint8_t *values);

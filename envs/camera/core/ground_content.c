@@ -177,7 +177,7 @@ vc_status vc_add_level(vc_core *core, const vc_level *spec) {
     int memory = level->spec.band && level->spec.weight && level->spec.gain && level->spec.fineness;
     memory &= nearby_of(&level->paint, &ground->paint) && nearby_of(&level->shadows, &ground->shadows);
     for (int i = 0; i < VC_SLOTS; i++)
-        memory &= (level->slots[i].texels = malloc((size_t)spec->rows * spec->columns * sizeof(uint16_t))) != NULL;
+        memory &= (level->slots[i].texels = malloc((size_t)spec->rows * spec->columns * sizeof(uint32_t))) != NULL;
     return memory && make_scratch(ground) ? VC_OK : VC_NO_MEMORY;
 }
 
@@ -187,7 +187,7 @@ int vc_raster_texels(const vc_core *core, int level) {
     return ground->level[level].spec.rows * ground->level[level].spec.columns;
 }
 
-vc_status vc_read_raster(const vc_core *core, int level, uint16_t *texels) {
+vc_status vc_read_raster(const vc_core *core, int level, uint32_t *texels) {
     int count = vc_raster_texels(core, level);
     if (count == 0 || core->ground->level[level].now == NULL) return VC_INVALID;
     memcpy(texels, core->ground->level[level].now->texels, (size_t)count * sizeof *texels);

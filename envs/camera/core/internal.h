@@ -146,8 +146,15 @@ void *vc_copied(const void *from, size_t count, size_t size, size_t spare);
 
 /* ---- drawing ---- */
 
-/* Fills a convex polygon (n, 2): the pixels whose middles lie inside; (0, 0) is the corner of the canvas. */
-void vc_fill_convex(uint32_t *canvas, int width, int height, const double *points, int count, uint32_t value);
+/* Columns of a row, `last` excluded. */
+typedef struct {
+    int first, last;
+} vc_extent;
+
+/* Fills a convex polygon (n, 2): the pixels whose middles lie inside; (0, 0) is the corner of the canvas. Widens the
+ * extents of the rows by what is filled, unless they are NULL. */
+void vc_fill_convex(uint32_t *canvas, int width, int height, const double *points, int count, uint32_t value,
+                    vc_extent *extents);
 
 /* Draws a picture (rows, columns, 4) of premultiplied RGB and transparency over the image, in the box of real numbers
  * that begins at `left`, `top` (px from the image's corner) and is `wide`, `tall`, with bilinear samples. The picture is

@@ -42,8 +42,9 @@ void vc_draw_noise(vc_core *core, vc_image image) {
         const int8_t *levels = noise->levels + ((size_t)down * noise->columns + across) * 3;
         uint8_t *px = image.px + (size_t)y * bytes;
         for (int i = 0; i < bytes; i++) {
-            int level = px[i] + levels[i];
-            px[i] = (uint8_t)(level < 0 ? 0 : level > 255 ? 255 : level);
+            int16_t level = (int16_t)(px[i] + levels[i]);
+            level = level > 0 ? level : 0;
+            px[i] = (uint8_t)(level < 255 ? level : 255);
         }
     }
 }

@@ -192,7 +192,7 @@ static void paint(Scratch *scratch, Nearby *nearby, const Outline *outline, cons
 }
 
 void vc_paint_raster(vc_ground_part *ground, Level *level, const double *from_world, int rows,
-                     uint16_t *texels) {
+                     uint32_t *texels) {
     const vc_level *spec = &level->spec;
     Scratch *scratch = &ground->scratch;
     VC_CHECK(rows <= spec->rows);
@@ -205,5 +205,5 @@ void vc_paint_raster(vc_ground_part *ground, Level *level, const double *from_wo
     for (size_t i = 0; i < count; i++) texels[i] = scratch->values[i];
     if (ground->shadows.count == 0) return;
     paint(scratch, &level->shadows, &outline, from_world, spec, rows, 0);
-    for (size_t i = 0; i < count; i++) texels[i] |= (uint16_t)(scratch->values[i] << VC_SHADOW_SHIFT);
+    for (size_t i = 0; i < count; i++) texels[i] |= (uint32_t)scratch->values[i] << VC_SHADOW_SHIFT;
 }

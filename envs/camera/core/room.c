@@ -43,9 +43,9 @@ static int room_for_frame(vc_core *core) {
 
 static int room_for_drawing(vc_core *core) {
     vc_scene_part *scene = core->scene;
-    if (scene->layer != NULL) return 1;
-    scene->layer_samples = vc_max(VC_LAYER, 16 * core->camera.width_px);
-    return grow(&scene->layer, (size_t)scene->layer_samples, sizeof *scene->layer) &&
+    if (scene->layer.samples != NULL) return 1;
+    size_t samples = (size_t)vc_max(VC_LAYER, 16 * core->camera.width_px);
+    return vc_layer_make(&scene->layer, samples, 4 * (size_t)core->camera.height_px) &&
            grow(&scene->boxes, VC_ORDERED, sizeof *scene->boxes) &&
            grow(&scene->in_front, VC_ORDERED * VC_ORDERED, 1);
 }

@@ -27,8 +27,9 @@ void vc_scene_free(vc_scene_part *scene) {
     void *all[] = {(void *)scene->light.transmission, roadside->first,  roadside->circles_m,  roadside->from_m,
                    roadside->until_m,                 roadside->fading, scene->mesh,          scene->objects, scene->lamps,
                    scene->candidates,                 scene->order,     scene->nearest_m,     scene->distance_m, scene->boxes,
-                   scene->in_front,                   scene->layer,     scene->part_distance, scene->part_order};
+                   scene->in_front,                   scene->part_distance, scene->part_order};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
+    vc_layer_free(&scene->layer);
     free(scene);
 }
 

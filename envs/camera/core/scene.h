@@ -3,6 +3,7 @@
 #define VC_SCENE_H
 
 #include "internal.h"
+#include "layer.h"
 
 enum {
     VC_CLIPPED = 2 * VC_CORNERS, /* most corners of a face that the near plane cuts */
@@ -71,8 +72,7 @@ struct vc_scene_part {
     int face_room, point_room, item_room;
     double *part_distance; /* (most parts of a mesh,) */
     int *part_order;
-    uint32_t *layer; /* VC_LAYER samples, or 4 rows of the image */
-    int layer_samples;
+    vc_layer layer; /* VC_LAYER samples, or 4 rows of the image */
 };
 
 /* Makes the pools of a frame large enough for all content. */

@@ -17,7 +17,8 @@ static void label_item(vc_core *core, int index, uint32_t *labels) {
     }
     for (int i = item->first; i < item->last; i++) {
         const vc_face *face = frame->faces + i;
-        vc_fill_convex(labels, width, height, frame->points + 2 * face->first, face->corners, (uint32_t)(1 + i));
+        vc_fill_convex(labels, width, height, frame->points + 2 * face->first, face->corners, (uint32_t)(1 + i),
+                       NULL);
     }
 }
 

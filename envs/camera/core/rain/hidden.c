@@ -11,7 +11,8 @@ static void mark(vc_core *core, const vc_item *item, uint32_t *labels, uint32_t 
     if (item->kind == VC_TREE) vc_paint_tree(core, item, size, (vc_labels){labels, label});
     if (item->kind == VC_PUFF) vc_paint_puff(core, item, size, (vc_labels){labels, label});
     for (int i = item->first; i < item->last && item->kind == VC_FACES; i++)
-        vc_fill_convex(labels, width, height, frame->points + 2 * frame->faces[i].first, frame->faces[i].corners, label);
+        vc_fill_convex(labels, width, height, frame->points + 2 * frame->faces[i].first, frame->faces[i].corners, label,
+                       NULL);
 }
 
 void vc_hidden_by_rain(vc_core *core, int32_t *hidden) {

@@ -16,7 +16,6 @@ enum {
 #define SMALLEST_PX 20.0   /* least area of a mirrored face */
 #define FOOT_M 0.4         /* height of an object's foot */
 #define FOOT_SHARE 0.3     /* share of the way from the foot to the horizon that the object covers for sure */
-#define EMPTY 0xff000000u
 
 void vc_mirror_sky(vc_core *core, vc_image image) {
     const vc_wet_part *wet = core->wet;
@@ -138,7 +137,7 @@ static void mirrored(const vc_core *core, const double *plane, const double *poi
 }
 
 static void mirror_face(const vc_core *core, const Large *large) {
-    const vc_wet_part *wet = core->wet;
+    vc_wet_part *wet = core->wet;
     const vc_face *face = core->frame.faces + large->face;
     double points[2 * VC_CLIPPED];
     for (int i = 0; i < face->corners; i++) {
@@ -146,35 +145,16 @@ static void mirror_face(const vc_core *core, const Large *large) {
         points[2 * i] *= (double)FINE / VC_HALF;
         points[2 * i + 1] = (points[2 * i + 1] - core->camera.ground_top) * FINE / VC_HALF;
     }
-    vc_fill_convex(wet->layer, wet->spec.columns * FINE, wet->spec.rows * FINE, points, face->corners, face->colour);
-}
-
-/* Lays the means of the layer's samples over the canvas. */
-static void lay(const vc_wet_part *wet) {
-    int columns = wet->spec.columns;
-    uint8_t *to = wet->sharp;
-    for (int y = 0; y < wet->spec.rows; y++) {
-        const uint32_t *a = wet->layer + (size_t)y * FINE * FINE * columns, *b = a + FINE * columns;
-        for (int x = 0; x < columns; x++, a += FINE, b += FINE, to += 3) {
-            if ((a[0] & a[1] & b[0] & b[1]) == EMPTY && (a[0] | a[1] | b[0] | b[1]) == EMPTY) continue;
-            uint32_t samples[4] = {a[0], a[1], b[0], b[1]}, sums[4] = {2, 2, 2, 2};
-            for (int i = 0; i < 4; i++)
-                for (int k = 0; k < 4; k++) sums[k] += samples[i] >> (8 * k) & 255;
-            for (int k = 0; k < 3; k++) to[k] = (uint8_t)vc_min((int)(vc_by_255(to[k] * (sums[3] >> 2)) + (sums[k] >> 2)), 255);
-        }
-    }
+    vc_layer_fill(&wet->layer, wet->spec.columns * FINE, wet->spec.rows * FINE, points, face->corners, face->colour);
 }
 
 void vc_mirror_items(vc_core *core) {
     const vc_frame *frame = &core->frame;
-    const vc_wet_part *wet = core->wet;
+    vc_wet_part *wet = core->wet;
     for (int i = 0; i < frame->item_count; i++)
         if (is_tall(frame->items + i) && is_among_tallest(frame, i)) mirror_tree(core, frame->items + i);
     Large large[FACES];
     int count = find_large(core, large);
-    if (count == 0) return;
-    size_t samples = (size_t)wet->spec.rows * wet->spec.columns * FINE * FINE;
-    for (size_t i = 0; i < samples; i++) wet->layer[i] = EMPTY;
     for (int i = 0; i < count; i++) mirror_face(core, large + i);
-    lay(wet);
+    vc_layer_lay(&wet->layer, wet->spec.columns, wet->spec.rows, FINE, wet->sharp, (size_t)wet->spec.columns * 3);
 }

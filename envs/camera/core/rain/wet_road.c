@@ -12,10 +12,11 @@ enum { HIDDEN_SHARE = 64, HIDDEN_LEVELS = 12 };
 void vc_wet_free(vc_wet_part *wet) {
     if (wet == NULL) return;
     void *all[] = {(void *)wet->spec.reflectance, (void *)wet->spec.share, wet->depths, wet->sky, wet->sharp,
-                   wet->smeared, wet->light, wet->kept, wet->share, wet->through, wet->standing, wet->layer, wet->sums,
+                   wet->smeared, wet->light, wet->kept, wet->share, wet->through, wet->standing, wet->sums,
                    wet->wide[0].through, wet->wide[0].light, wet->wide[1].through, wet->wide[1].light,
                    wet->lamplight};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
+    vc_layer_free(&wet->layer);
     free(wet);
 }
 
@@ -26,7 +27,7 @@ static int has_room(vc_wet_part *wet) {
     int fits = 1;
     for (size_t i = 0; i < sizeof planes / sizeof *planes; i++) fits &= (*planes[i] = calloc(pixels, 1)) != NULL;
     for (size_t i = 0; i < sizeof pictures / sizeof *pictures; i++) fits &= (*pictures[i] = calloc(pixels, 3)) != NULL;
-    fits &= (wet->layer = malloc(pixels * 4 * sizeof *wet->layer)) != NULL;
+    fits &= vc_layer_make(&wet->layer, 4 * pixels, 2 * (size_t)wet->spec.rows);
     fits &= (wet->lamplight = malloc(pixels * 3 * sizeof *wet->lamplight)) != NULL;
     fits &= (wet->sums = malloc(columns * 3 * sizeof *wet->sums)) != NULL;
     for (int i = 0; i < 2; i++) {

@@ -7,6 +7,7 @@
 #define VC_WET_ROAD_H
 
 #include "internal.h"
+#include "layer.h"
 
 enum {
     VC_HALF = 2,    /* image pixels per pixel of the canvas */
@@ -29,7 +30,7 @@ struct vc_wet_part {
     uint8_t *kept;               /* the same, scratch */
     uint8_t *share, *through;    /* (rows, columns) reflected light, and the road's own that is left, of 255 */
     uint8_t *standing;           /* (rows, columns) whether water stands */
-    uint32_t *layer;             /* samples of faces */
+    vc_layer layer;              /* for mirrored faces */
     uint16_t *sums;              /* (3 columns,) */
     vc_wide wide[2];
     float *lamplight;            /* (rows, columns, 3) linear light of mirrored lamps */
