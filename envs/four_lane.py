@@ -21,13 +21,13 @@ from vpf_sim.envs.ending import TERMINATED, TRUNCATED, Ending, Status
 from vpf_sim.envs.rectangles import clearance, distance, solid_objects
 from vpf_sim.envs.sensor_faults import CameraFaults, SignalFaults
 from vpf_sim.envs.sensors import Sensors
-from vpf_sim.envs.window import Window
 from vpf_sim.envs.world import build_world
 from vpf_sim.errors import InputError, refuse_options, refuse_unknown, unknown_name
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.scenarios import AnyScenario, HighwayScenario
 from vpf_sim.timing import timed
 from vpf_sim.types import Camera, Floats, Image, Turn, VehicleModel
+from vpf_sim.window import Window
 
 RATES_HZ = (60.0, 20.0)
 TRUTHS = ("depth", "flow", "foe", "ttc", "instance", "hidden")

@@ -29,6 +29,7 @@ LEAVES = {
     "policy_state",
     "timing",
     "tracebacks",
+    "window",
 }
 MAY_IMPORT = {
     **dict.fromkeys(LEAVES, LEAVES),

@@ -69,6 +69,7 @@ def test_the_registry_and_its_descriptions() -> None:
         "dominant-plane",
         "learned-bc",
         "learned-ppo",
+        "keyboard",
         "neutral",
     ]
     told = {row.name: row.privileged for row in drivers.describe() if row.privileged != "none"}
@@ -80,7 +81,7 @@ def test_the_registry_and_its_descriptions() -> None:
 def test_only_vision_drivers_look_at_the_frames(module: str) -> None:
     seeing = [name for name in drivers.names() if drivers.uses_images(drivers.create(name))]
     ours, rivals = ["vpf", "vpf-scene", "vpf-paper", "vpf-literal"], ["lane-lines", "dominant-plane"]
-    assert seeing == [*ours, *rivals, "learned-bc", "learned-ppo"]
+    assert seeing == [*ours, *rivals, "learned-bc", "learned-ppo", "keyboard"]
     assert drivers.uses_images(drivers.create(f"{module}:Own")), "who does not say is shown them"
 
 

@@ -13,10 +13,12 @@ from vpf_sim.drivers import DriverLike
 from vpf_sim.errors import InputError, option, shown
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.processes.threads import one_thread
+from vpf_sim.window import require_display
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from vpf_sim.drivers.keyboard import KeyboardDriver
     from vpf_sim.evaluation.sweeps.manifest import Manifest
     from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 
@@ -97,10 +99,12 @@ def driven(
     watch: bool = False,
     rerun: StrPath | None = None,
     out: StrPath | bool = False,
+    hands: "KeyboardDriver | None" = None,
 ) -> Iterator[Episode]:
     """The driven and stored episode; video and recording are completed when the context ends.
 
-    Where they do not fit on the disk, all else is stored and can be shown.
+    Where they do not fit on the disk, all else is stored and can be shown. `hands` is the driver "keyboard" with more
+    in its window.
     """
     from vpf_sim.reporting import viewers
 
@@ -112,10 +116,10 @@ def driven(
         asked = _manifest(*names, name, seed) if out is not False else None
         attached = stack.enter_context(viewers.attached(film, watch, log))
         if asked is None:
-            result, path = episode.run(*names, driver, seed, attached.show), None
+            result, path = episode.run(*names, hands or driver, seed, attached.show, name), None
         else:
             with _stored(asked, out) as folder:
-                result, path = episode.run(*names, driver, seed, attached.show), folder.path
+                result, path = episode.run(*names, hands or driver, seed, attached.show, name), folder.path
                 _store(folder, result)
         yield Episode(result, path)
         attached.finish(result.steps)
@@ -134,6 +138,8 @@ def _checked_name(driver: DriverLike) -> str:
     """The driver's name, by which it is found in this process."""
     name = drivers.name_of(driver)
     drivers.admit(name, driver)
+    if name == drivers.KEYBOARD:
+        require_display()
     return name
 
 

@@ -46,6 +46,8 @@ class Execution:
         self._check_process()
         for name in of_this_process(plan)[:1]:
             self._check_bound(name)
+        if is_by_hand(plan):
+            self._check_by_hand()
 
     def _check_process(self) -> None:
         """InputError for an option that a process without others cannot meet."""
@@ -65,6 +67,16 @@ class Execution:
         for what in (name for name, value in asked.items() if value):
             raise InputError(f"{what}: driver '{driver}': other processes cannot make it; {REMEDY}")
 
+    def _check_by_hand(self) -> None:
+        """InputError for an option that does not suit a person, or without a display."""
+        from vpf_sim.drivers import KEYBOARD
+        from vpf_sim.window import require_display
+
+        asked = {"workers": self.workers not in (None, 1), "timeout": self.timeout, "cluster": self.cluster}
+        for what in (name for name, value in asked.items() if value):
+            raise InputError(f"{option(what)}: driver '{KEYBOARD}': a person drives one car, in this process")
+        require_display()
+
     def resume_command(self, command: str, folder: Path) -> str:
         """How to continue the run: a shell command, or the parameters of `vpf_sim.sweep`."""
         if not is_on_command_line():
@@ -78,6 +90,13 @@ class Execution:
             timeout=self.timeout,
             mixed=self.mixed,
         )
+
+
+def is_by_hand(plan: "Plan") -> bool:
+    """Whether a person drives, so that one episode runs at a time."""
+    from vpf_sim import drivers
+
+    return drivers.KEYBOARD in plan.driver
 
 
 def of_this_process(plan: "Plan") -> list[str]:

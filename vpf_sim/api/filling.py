@@ -6,7 +6,7 @@ from contextlib import AbstractContextManager, closing, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from vpf_sim.api.execution import Execution, of_this_process
+from vpf_sim.api.execution import Execution, is_by_hand, of_this_process
 from vpf_sim.api.progress import Notify, progress, say
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.processes.threads import one_thread
@@ -38,7 +38,7 @@ def fill(command: str, plan: Plan, how: Execution, show: bool = True) -> Path:
         missing = [job for job in jobs if job.id not in folder.done]
         try:
             results: Results
-            if bound:
+            if bound or is_by_hand(plan):
                 results = sweep.here(folder, missing)
             elif client is None:
                 results = sweep.local(folder, missing, how.workers or sweep.default_workers(), limit_s)

@@ -15,6 +15,7 @@ from vpf_sim.cli import (
     export,
     machine,
     perception,
+    play,
     replay,
     runs,
     scenarios,
@@ -29,6 +30,7 @@ from vpf_sim.evaluation.processes import threads
 
 SIMULATING = (
     "drive",
+    "play",
     "sweep",
     "benchmark",
     "reproduce",
@@ -42,6 +44,7 @@ SIMULATING = (
     "perception",
 )
 STOPPED = 130  # exit code after Ctrl-C
+STORES_AT_END = {"drive", "play"}
 TELL_HOW_TO_GO_ON = {"sweep", "benchmark", "reproduce", "replay"}  # where they are stopped
 UsageError: type[Exception] = typer.BadParameter.__bases__[0]  # click's; its module depends on typer's release
 
@@ -72,6 +75,7 @@ def options(
 
 COMMANDS: tuple[Callable[..., None], ...] = (
     drive.drive,
+    play.play,
     sweep.sweep,
     sweep.benchmark,
     replay.replay,
@@ -126,7 +130,8 @@ def run(arguments: Sequence[str]) -> int:
     except UsageError as error:
         return _usage(error)
     if code == STOPPED and not set(arguments[:1]) & TELL_HOW_TO_GO_ON:
-        _refuse(f"stopped by Ctrl-C{'; the drive is not stored' if 'drive' in arguments[:1] else ''}")
+        how = "stopped" if arguments[0] == "play" else "stopped by Ctrl-C"
+        _refuse(f"{how}{'; the drive is not stored' if arguments[0] in STORES_AT_END else ''}")
     return code if isinstance(code, int) else 0
 
 

@@ -49,7 +49,7 @@ def drive(
     from vpf_sim.api import filling
     from vpf_sim.api.drive import driven
 
-    answer = sys.stdout
+    stdout = sys.stdout
     with (
         prints_on_stderr(),
         driven(
@@ -62,14 +62,15 @@ def drive(
             rerun=rerun,
             out=True if out is None else out,
         ) as episode,
-        redirect_stdout(answer),
+        redirect_stdout(stdout),
     ):
         filling.warn([episode.result.record])
-        _answer(episode, json)
+        answer(episode, json)
     raise typer.Exit(0 if episode.status == "success" else 1)
 
 
-def _answer(episode: "Episode", as_json: bool) -> None:
+def answer(episode: "Episode", as_json: bool) -> None:
+    """Print how an episode ended, or its record as JSON."""
     from vpf_sim.evaluation.metrics.registry import CLEARANCE, COMPLETION
 
     record, timing, folder = episode.result.record, episode.result.timing, episode.path

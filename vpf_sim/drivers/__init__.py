@@ -7,6 +7,7 @@ from vpf_sim.drivers.baselines import IdmDriver, NeutralDriver, RouteDriver
 from vpf_sim.drivers.own import DriverLike, OwnDriver, admit, is_importable, name_of
 from vpf_sim.drivers.protocol import command_of, needs_next_frame, perception_of, trace_of, uses_images
 from vpf_sim.drivers.registry import (
+    KEYBOARD,
     MODEL_PREFIX,
     VARIANT_PREFIX,
     Description,
@@ -20,6 +21,7 @@ from vpf_sim.drivers.registry import (
 from vpf_sim.drivers.vision_driver import VisionDriver
 
 __all__ = [
+    "KEYBOARD",
     "MODEL_PREFIX",
     "VARIANT_PREFIX",
     "Description",

@@ -17,6 +17,7 @@ from vpf_sim.types import Driver, Privilege
 VARIANT_PREFIX = "vpf@"  # before the name or file of a variant
 MODEL_PREFIX = "onnx:"  # before the file of a learned policy
 _INSTALLED = Path(__file__).parent / "learned"
+KEYBOARD = "keyboard"  # a person, who drives one episode at a time and none twice
 LEARNED = {  # the policies that are installed
     "learned-bc": _INSTALLED / "learned_bc.onnx",
     "learned-ppo": _INSTALLED / "learned_ppo.onnx",
@@ -55,6 +56,12 @@ def _learned(model: str | Path) -> Driver:
     from vpf_sim.drivers.learned.driver import OnnxDriver  # imports OpenCV, too
 
     return OnnxDriver(model)
+
+
+def _keyboard() -> Driver:
+    from vpf_sim.drivers.keyboard import KeyboardDriver
+
+    return KeyboardDriver()
 
 
 _REGISTRY: dict[str, _Entry] = {
@@ -97,6 +104,7 @@ _REGISTRY: dict[str, _Entry] = {
     "learned-ppo": _Entry(
         lambda: _learned(LEARNED["learned-ppo"]), "none", "a small network that learned to keep its lane by reward"
     ),
+    KEYBOARD: _Entry(_keyboard, "none", "a person at the keys or a gamepad; needs a display"),
     "neutral": _Entry(NeutralDriver, "none", "no throttle and no steering"),
 }
 

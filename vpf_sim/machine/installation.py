@@ -94,7 +94,7 @@ def display() -> Check:
     """Whether a window can be opened; no display is ok, since only windows need one."""
     import pygame
 
-    from vpf_sim.envs.window import require_display
+    from vpf_sim.window import require_display
 
     try:
         require_display()

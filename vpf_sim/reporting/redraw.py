@@ -58,7 +58,7 @@ class Redrawing:
         replanner: _Replanner | None = None
         with closing(self._world()) as world:
             for frame in world.play(self.record.seed):
-                if self.replan and replanner is None:
+                if self.replan and replanner is None and self.record.driver != drivers.KEYBOARD:
                     replanner = _Replanner(self, world)
                 observation = read(frame.observed)
                 objects = tuple(rectangle_of(obj) for obj in solid_objects(world.ego))

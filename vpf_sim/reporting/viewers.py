@@ -146,7 +146,7 @@ def attached(video: Path | None, watch: bool, rerun: Path | None) -> Iterator[Vi
     with ExitStack() as stack:
         watchers: list[Watcher] = []
         if watch:
-            from vpf_sim.envs.window import Window, require_display
+            from vpf_sim.window import Window, require_display
 
             require_display()
             window = stack.enter_context(closing(Window(camera.width_px, camera.height_px, RATE_HZ)))

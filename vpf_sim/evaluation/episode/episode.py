@@ -36,32 +36,38 @@ class EpisodeResult:
 
 
 def run(
-    scenario: str, weather: str, driver: drivers.DriverLike, seed: int, watch: Watcher | None = None
+    scenario: str,
+    weather: str,
+    driver: drivers.DriverLike,
+    seed: int,
+    watch: Watcher | None = None,
+    name: str | None = None,
 ) -> EpisodeResult:
     """Drive one episode and score it; `watch` receives each frame with the driver's plan for it.
+
+    `name` is the driver's in the record; by default, it is the one that leads to it.
 
     Without `watch`, only the frames that the driver uses are rendered; the drive is the same. Process settings that the
     driver changes are restored.
     """
     with process_state.preserved():
-        result = _run(scenario, weather, driver, seed, watch)
+        result = _run(Job(scenario, weather, name or drivers.name_of(driver), seed), driver, watch)
     # The objects of an environment reference each other; without a collection here, old ones fragment the heap.
     gc.collect()
     return result
 
 
-def _run(scenario: str, weather: str, driver: drivers.DriverLike, seed: int, watch: Watcher | None) -> EpisodeResult:
+def _run(job: Job, driver: drivers.DriverLike, watch: Watcher | None) -> EpisodeResult:
     started_s, stopwatch = perf_counter(), Stopwatch()
     tested = drivers.create(driver)
     truth, frames = (("foe",), True) if drivers.uses_images(tested) else ((), watch is not None)
 
-    with closing(FourLane(scenario, weather, truth=truth, frames=frames)) as env:
-        job = Job(scenario, weather, drivers.name_of(driver), seed)
+    with closing(FourLane(job.scenario, job.weather, truth=truth, frames=frames)) as env:
         with stopwatch.running():
-            outcome = roll_out(env, tested, drivers.create("pid"), seed, watch, stopwatch.end_step)
+            outcome = roll_out(env, tested, drivers.create("pid"), job.seed, watch, stopwatch.end_step)
         wall_s = perf_counter() - started_s
         if len(outcome.steps):
-            pid_run = pid_without_obstacles(env.scenario, seed)
+            pid_run = pid_without_obstacles(env.scenario, job.seed)
             outcome = replace(outcome, steps=matched(outcome.steps, pid_run))
         record = score(job, outcome, env.route, env.route_length_m)
     rate, stages_ms = len(outcome.steps) / wall_s, stopwatch.typical_ms()

@@ -5,8 +5,8 @@ import pygame
 import pytest
 
 from vpf_sim.envs.four_lane import FourLane
-from vpf_sim.envs.window import Window, require_display
 from vpf_sim.errors import InputError
+from vpf_sim.window import Window, require_display
 
 
 @pytest.mark.parametrize("driver", ["dummy", "offscreen"])
