@@ -58,28 +58,44 @@ def film(
 
 def watermark(image: Image) -> None:
     """Sharp letters over the whole picture, as of a film agency."""
-    for row in range(12, HEIGHT_PX, 18):
-        cv2.putText(image, "PREVIEW " * 12, (-(row % 40), row), cv2.FONT_HERSHEY_SIMPLEX, 0.4, (250, 250, 250), 1)
+    for row in range(14, HEIGHT_PX, 30):
+        cv2.putText(image, "PREVIEW   " * 9, (-(row % 40), row), cv2.FONT_HERSHEY_SIMPLEX, 0.4, (250, 250, 250), 1)
 
 
 def drops(image: Image) -> None:
     """Sharp drops that stay where they are on the glass."""
+    _drops(image, 330)
+
+
+def covered(image: Image) -> None:
+    """A glass so full of drops that hardly anything of the scene is left."""
+    _drops(image, 2500)
+
+
+def _drops(image: Image, count: int) -> None:
     random = stream(5, "drops")
-    for x, y, size in random.uniform([0, 0, 3], [WIDTH_PX, HEIGHT_PX, 7], (1100, 3)):
+    for x, y, size in random.uniform([0, 0, 3], [WIDTH_PX, HEIGHT_PX, 7], (count, 3)):
         cv2.circle(image, (int(x), int(y)), int(size), (60, 60, 60), -1)
         cv2.circle(image, (int(x) - 1, int(y) - 1), max(1, int(size) // 3), (245, 245, 245), -1)
 
 
-def bonnet_and_mirrors(image: Image) -> None:
-    """A shining, scratched bonnet over the lower quarter, a mirror above and pillars at the sides."""
+def cabin(image: Image) -> None:
+    """A scratched bonnet, a mirror above and pillars at the sides, all with sharp texture."""
     random = stream(6, "bonnet")
-    texture = random.integers(20, 230, (HEIGHT_PX, WIDTH_PX), dtype=np.uint8)
-    texture = cv2.resize(cv2.resize(texture, (160, 90)), (WIDTH_PX, HEIGHT_PX), interpolation=cv2.INTER_CUBIC)
+    coarse = random.integers(20, 230, (HEIGHT_PX // 3, WIDTH_PX // 3), dtype=np.uint8)
+    texture = cv2.resize(coarse, (WIDTH_PX, HEIGHT_PX), interpolation=cv2.INTER_CUBIC)
     where = np.zeros((HEIGHT_PX, WIDTH_PX), np.uint8)
-    cv2.ellipse(where, (WIDTH_PX // 2, HEIGHT_PX + 40), (WIDTH_PX // 2 + 40, 140), 0, 0, 360, 1, -1)
-    cv2.rectangle(where, (230, 0), (410, 70), 1, -1)
-    where[:, :50] = where[:, -50:] = 1
+    cv2.ellipse(where, (WIDTH_PX // 2, HEIGHT_PX + 30), (WIDTH_PX // 2 + 40, 105), 0, 0, 360, 1, -1)
+    cv2.rectangle(where, (180, 0), (310, 55), 1, -1)
+    where[:, :40] = where[:, -40:] = 1
     image[where > 0] = texture[where > 0][:, None]
+
+
+def date_stamp(image: Image) -> None:
+    """A date in a corner, and a logo in another."""
+    cv2.rectangle(image, (0, HEIGHT_PX - 30), (230, HEIGHT_PX), (0, 0, 0), -1)
+    cv2.putText(image, "2026-11-27 14:03", (6, HEIGHT_PX - 9), cv2.FONT_HERSHEY_SIMPLEX, 0.7, (255, 255, 255), 2)
+    cv2.putText(image, "DASHCAM X1", (WIDTH_PX - 190, HEIGHT_PX - 9), cv2.FONT_HERSHEY_SIMPLEX, 0.9, (255, 210, 0), 2)
 
 
 def write(folder: File, images: Sequence[Image], *paints: Paint, camera: str = "") -> File:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import recorded_street as street
 
-from vpf_sim.replay import calibrate, rectify
+from vpf_sim.replay import calibrate, fixed_structure, rectify
 from vpf_sim.replay.recording import Frame
 from vpf_sim.replay.rectify import Lens, Mounting
 from vpf_sim.seeding import stream
@@ -129,7 +129,8 @@ def test_stopped_car_has_zero_speed(straight: list[Frame]) -> None:
     ]
     times = np.arange(FRAMES + 20) / RATE_HZ
     camera, _ = rectify.rectified(LENS, Mounting(height_m=street.CAMERA_HEIGHT_M))
-    own = calibrate.estimate(iter([*straight, *stays]), camera, times, None, None)
+    fixed = fixed_structure.find(iter(straight), times)
+    own = calibrate.estimate(iter([*straight, *stays]), camera, times, None, None, fixed=fixed)
     assert np.nanmedian(own.speed_mps[:FRAMES]) == pytest.approx(SPEED_MPS, rel=0.08)
     assert own.speed_mps[-12:] == pytest.approx(np.zeros(12))
     assert own.yaw_rate_radps[-12:] == pytest.approx(np.zeros(12))

@@ -11,7 +11,16 @@ import numpy as np
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import unwrapped
 from vpf_sim.planning import variant
-from vpf_sim.replay import calibrate, camera_motion, consistency, derived, lane_height, plausible, series
+from vpf_sim.replay import (
+    calibrate,
+    camera_motion,
+    consistency,
+    derived,
+    fixed_structure,
+    lane_height,
+    plausible,
+    series,
+)
 from vpf_sim.replay.mounting_estimate import Angle
 from vpf_sim.replay.recording import IMAGES, Assumption, Frame, Kind, Origin, Recording
 from vpf_sim.replay.rectify import Lens, Mounting, rectified, rectified_frames, reduction, rotation
@@ -24,6 +33,7 @@ FIELD_OF_VIEW_RAD = float(np.radians(60.0))  # horizontal, for an unknown camera
 COURSE_WINDOW_S = 1.0
 REPEAT_GREY_LEVELS = 0.02  # mean difference below which an image repeats the one before
 REPEAT_LEAST_SPEED_MPS = 1.0
+LEAST_BLIND_SHARE = 0.05  # of the frames, above which a note says so
 FIRST_FRAMES = 5  # checked for brightness
 
 
@@ -161,7 +171,11 @@ def _calibrated_by_flow(source: Source) -> calibrate.FlowCalibration | None:
         known[0],
         known[1],
         source.camera_ahead_m,
+        fixed_structure.find(rectified_frames(source.frames(), rectify_image), source.times_s),
     )
+    if "speed_mps" not in source.signals and own.is_blind.mean() > LEAST_BLIND_SHARE:
+        share = f"{100.0 * own.is_blind.mean():.0f} % of the frames"
+        source.notes.append(f"motion: unknown in {share}, where too few points are not fixed to the camera")
     if source.mounting is None:
         source.mounting = own.mounting
         source.mounting_found = {"pitch": own.pitch, "yaw": own.yaw}
@@ -176,7 +190,8 @@ def _height_by_lanes(source: Source) -> float:
     camera, rectify_image = rectified(source.lens, source.mounting)
     config = variant.load(calibrate.VARIANT).road_edges
     frames = rectified_frames(source.frames(), rectify_image)
-    found = lane_height.height_m(frames, camera, source.times_s, config)
+    fixed = fixed_structure.find(rectified_frames(source.frames(), rectify_image), source.times_s)
+    found = lane_height.height_m(frames, camera, source.times_s, config, fixed)
     if found is None:
         return 1.0
     scale = found / source.mounting.height_m

@@ -13,11 +13,12 @@ from vpf_sim.perception.egomotion import focus_of_expansion as expansion
 from vpf_sim.perception.egomotion.flow import FlowTracker, grey
 from vpf_sim.planning import variant
 from vpf_sim.replay import camera_fixed_points, flow_derotation, road_speed, series
+from vpf_sim.replay.fixed_structure import FixedStructure
 from vpf_sim.replay.mounting_estimate import PRIOR_SD_RAD, Angle, angle, observed_angles
 from vpf_sim.replay.recording import Frame
 from vpf_sim.replay.rectify import Mounting
 from vpf_sim.seeding import stream
-from vpf_sim.types import Bools, Camera, Floats, Flow
+from vpf_sim.types import Bools, Camera, Floats, Flow, Image
 
 VARIANT = "robust"  # its flow settings are used
 ROUNDS = 2  # yaw rate and mounting depend on each other
@@ -39,6 +40,7 @@ class FlowCalibration:
     observations: int  # on straight road
     speed_mps: Floats
     yaw_rate_radps: Floats
+    is_blind: Bools  # too few points show the scene to tell whether the car moves
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +49,7 @@ class _Observation:
     flow: Flow  # of the scene
     speed_mps: float  # inf if not recorded
     yaw_rate_radps: float  # as recorded; nan if not
-    moves: bool
+    moves: bool | None  # None: too few points show the scene
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,17 +71,19 @@ def estimate(
     speed_mps: Floats | None,
     yaw_rate_radps: Floats | None,
     ahead_m: float = 0.0,
+    fixed: FixedStructure | None = None,
 ) -> FlowCalibration:
     """Estimate mounting and motion from the frames.
 
     All frames are processed if speed or yaw rate (N,) are needed, else only until there are enough. `camera` is
     assumed to look straight ahead and level; its height is trusted. It is `ahead_m` before the rear axle, so in a
-    bend it moves outward by the yaw rate times this.
+    bend it moves outward by the yaw rate times this. Points on what is `fixed` to the camera are left out; where too
+    few others are left, nothing is known.
 
     First, the yaw rate and the focus of expansion are fitted in every frame, to find straight road. Straight road
     then gives the mounting. Bends also give its yaw, if the yaw rate was recorded.
     """
-    observations = _observations(frames, camera, times_s, speed_mps, yaw_rate_radps)
+    observations = _observations(frames, camera, times_s, speed_mps, yaw_rate_radps, fixed)
     stored = list(islice(observations, MOST_STORED))
     moving = [one for one in stored if one.moves]
     stride = max(1, len(moving) // ENOUGH)
@@ -105,6 +109,7 @@ def _observations(
     times_s: Floats,
     speed_mps: Floats | None,
     yaw_rate_radps: Floats | None,
+    fixed: FixedStructure | None,
 ) -> Iterator[_Observation]:
     """Each frame with flow, without points that move with the camera."""
     rate_hz = 1.0 / float(np.median(np.diff(times_s)))
@@ -122,13 +127,13 @@ def _observations(
         if frame.index != last + 1:  # tracks across a gap would seem too fast
             tracker = FlowTracker(camera, config, rate_hz)
         last = frame.index
-        flow = tracker.update(grey(frame.image), np.array([along[frame.index], 0.0, 0.0]))
+        flow = _scene_flow(tracker, grey(frame.image), along[frame.index], fixed)
         rate = float("nan") if yaw_rate_radps is None else float(yaw_rate_radps[frame.index])
-        if speed[frame.index] < LEAST_SPEED_MPS or not len(flow):
+        if speed[frame.index] < LEAST_SPEED_MPS:
             continue
         steps = np.rint(flow.gap_s * rate_hz).astype(np.intp)
         flow = replace(flow, gap_s=times_s[frame.index] - times_s[frame.index - steps])  # true times of uneven frames
-        moves = camera_fixed_points.moves(flow, camera)
+        moves = _moves(flow, camera, fixed)
         if moves:
             flow = camera_fixed_points.without(flow, flow.stuck)
         known = np.isfinite(recorded[frame.index])
@@ -136,6 +141,23 @@ def _observations(
         straight += abs(rate) < STRAIGHT_RADPS
         if both and (straight >= ENOUGH or yielded >= MOST_STORED):
             return
+
+
+def _scene_flow(tracker: FlowTracker, image: Image, along_m: float, fixed: FixedStructure | None) -> Flow:
+    """The flow of points that are not on what is fixed to the camera."""
+    pose = np.array([along_m, 0.0, 0.0])
+    if fixed is None:
+        return tracker.update(image, pose)
+    flow = tracker.update(fixed.filled(image), pose, fixed.hidden)
+    return flow.chosen(np.flatnonzero(fixed.scene(flow.points_px)))
+
+
+def _moves(flow: Flow, camera: Camera, fixed: FixedStructure | None) -> bool | None:
+    """Whether the car moves; None where what is fixed to the camera cannot be told from a scene that stands."""
+    if camera_fixed_points.moves(flow, camera):
+        return True
+    is_visible = fixed is not None and fixed.leaves_scene and len(flow) >= camera_fixed_points.LEAST_POINTS
+    return False if is_visible else None
 
 
 def _travel_directions(
@@ -197,16 +219,18 @@ def _rate(one: _Observation, camera: Camera, mounting: Mounting) -> float:
 
 def _motion(
     observations: Iterable[_Observation], camera: Camera, mounting: Mounting, times_s: Floats
-) -> tuple[Floats, Floats]:
-    """(N,) speed m/s and yaw rate rad/s by the flow; nan where no road was tracked."""
+) -> tuple[Floats, Floats, Bools]:
+    """(N,) speed m/s and yaw rate rad/s by the flow, nan where no road was tracked; and where nothing is known."""
     rate, voted = np.full(len(times_s), np.nan), []
-    standing = np.zeros(len(times_s), np.bool_)
+    standing, blind = np.zeros((2, len(times_s)), np.bool_)
     for one in observations:
-        standing[one.index] = not one.moves
+        standing[one.index], blind[one.index] = one.moves is False, one.moves is None
+        if one.moves is None:
+            continue
         rate[one.index] = _rate(one, camera, mounting)
         flow = flow_derotation.turning(one.flow, rate[one.index])
         voted.append((float(times_s[one.index]), road_speed.votes(flow, camera, mounting)))
-    return road_speed.speed(times_s, voted, standing), np.where(standing, 0.0, _median_filtered(rate))
+    return road_speed.speed(times_s, voted, standing), np.where(standing, 0.0, _median_filtered(rate)), blind
 
 
 def _median_filtered(values: Floats) -> Floats:

@@ -11,6 +11,7 @@ from vpf_sim.perception.egomotion import focus_of_expansion as expansion
 from vpf_sim.perception.egomotion.flow import FlowTracker
 from vpf_sim.planning.variant import Variant
 from vpf_sim.replay import road_speed
+from vpf_sim.replay.fixed_structure import FixedStructure
 from vpf_sim.replay.rectify import Mounting
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Expansion, Floats, Flow, Image
@@ -37,7 +38,7 @@ class FlowDerotation:
     remaining rotation, as free as the pitch.
     """
 
-    def __init__(self, camera: Camera, variant: Variant, rate_hz: float) -> None:
+    def __init__(self, camera: Camera, variant: Variant, rate_hz: float, fixed: FixedStructure | None = None) -> None:
         fit = variant.focus_of_expansion.fit
         if fit is None or fit.rotation is None:
             raise InputError("flow derotation: expected a variant with [focus_of_expansion.fit.rotation], got none")
@@ -47,6 +48,7 @@ class FlowDerotation:
         self._tracker = FlowTracker(camera, variant.flow, rate_hz)
         self._random = stream(0, "focus of expansion without rotation")
         self._mounting = Mounting(height_m=camera.height_m, pitch_rad=camera.pitch_rad)
+        self._fixed = fixed
         self._along_m = 0.0
         self._expansion: Expansion | None = None
 
@@ -54,9 +56,10 @@ class FlowDerotation:
         """Ego motion at a grey (H, W) frame, `moved_m` after the last one by the odometer."""
         self._along_m += moved_m
         flow = self._tracker.update(grey, np.array([self._along_m, 0.0, 0.0]))
-        scene = flow.chosen(np.flatnonzero(~flow.stuck))  # camera-fixed points carry no rotation
+        shows_scene = ~flow.stuck if self._fixed is None else ~flow.stuck & self._fixed.scene(flow.points_px)
+        scene = flow.chosen(np.flatnonzero(shows_scene))  # camera-fixed points carry no motion
         rate = yaw_rate(scene, self._camera) if len(scene) else nan
-        straightened = turning(flow, rate if len(scene) else 0.0)
+        straightened = turning(scene, rate if len(scene) else 0.0)
         found = expansion.estimate(straightened, self._camera, self._config, self._random, self._expansion)
         self._expansion = found
         return EgoMotion(found, rate, flow, road_speed.votes(straightened, self._camera, self._mounting))

@@ -13,6 +13,7 @@ from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.road.birds_eye import BirdsEye, ridge
 from vpf_sim.perception.road.config import RoadEdgeConfig
 from vpf_sim.perception.road.markings import RidgeMap, comb, noise_threshold
+from vpf_sim.replay.fixed_structure import FixedStructure
 from vpf_sim.replay.recording import Frame
 from vpf_sim.types import Camera, Floats, Image
 
@@ -23,9 +24,15 @@ MOST_DOUBLED = 0.93  # share of the score at twice the lane width: above this no
 LEAST_PROMINENCE = 1.45  # ratio of best to median score: kerbs and shadows have less
 
 
-def height_m(frames: Iterator[Frame], camera: Camera, times_s: Floats, config: RoadEdgeConfig) -> float | None:
+def height_m(
+    frames: Iterator[Frame],
+    camera: Camera,
+    times_s: Floats,
+    config: RoadEdgeConfig,
+    fixed: FixedStructure | None = None,
+) -> float | None:
     """m above the road by the lanes in the frames, None if ambiguous; the camera's own height is ignored."""
-    images = _spread(frames, times_s)
+    images = [image if fixed is None else fixed.filled(image) for image in _spread(frames, times_s)]
     if not images:
         return None
     width_m = config.lane_width_m

@@ -19,6 +19,7 @@ from vpf_sim.planning import variant
 from vpf_sim.replay import (
     camera_fixed_points,
     drive_record,
+    fixed_structure,
     frame_table,
     road_speed,
     scores,
@@ -121,7 +122,8 @@ def _rows(
 ) -> Iterator[FrameRow]:
     """One row a frame; without a driver only the recorded columns."""
     parts = iter(segments(recording))
-    ego = FlowDerotation(recording.camera, variant.load(OWN_VARIANT), recording.rate_hz)
+    fixed = None if recording.no_images else fixed_structure.find(recording.frames(), recording.times_s)
+    ego = FlowDerotation(recording.camera, variant.load(OWN_VARIANT), recording.rate_hz, fixed)
     lead = LeadVehicle(recording.camera, recording.rate_hz)
     segment, number, moved_m = Segment(0, 0, (0.0, 0.0), 0.0), -1, 0.0
     last = Decision(Command(0.0, 0.0) if driver else Command(nan, nan))
