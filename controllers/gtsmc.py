@@ -9,7 +9,7 @@ second-order law (`super_twisting`) replaces the lateral sign.
 
 `feedforward` adds the reference's part of the equivalent control (Utkin, Sliding Modes in Control and Optimization,
 1992, ch. 2) to u: L v db / ds for the curvature b = (d psi_d / dt) / v. Without it, a changing curvature leaves an
-error inside the layer.
+error inside the layer. A planned acceleration, where the reference has one, is added to a for the same reason.
 
 In the layer, with slope k = u_0 / layer, psi_e'' + k v / L psi_e' + c_r k v / L psi_e = 0 has the damping ratio
 sqrt(k v / (4 c_r L)). `layer_narrows_below_mps` keeps it constant at low speed.
@@ -58,7 +58,7 @@ SLOWEST_MPS = 2.0  # lowest speed for the reaching condition: less speed means l
 RECOVERY_MPS2 = 1.5  # rise of the speed limit once the condition holds again
 DEMAND_FILTER_HZ = 2.0
 MIN_LAYER_SHARE = 0.15  # least share of the boundary layer: a narrower one amplifies sensor noise
-MAX_RAD, MAX_RADPS, MAX_MPS = 1e6, 1e3, 1e3  # input limits, so that filters and derivatives stay finite
+MAX_RAD, MAX_RADPS, MAX_MPS, MAX_MPS2 = 1e6, 1e3, 1e3, 1e3  # input limits, so that filters and derivatives stay finite
 
 
 @settings
@@ -189,7 +189,7 @@ class Gtsmc:
         observation = replace(observation, speed_mps=speed_mps, yaw_rate_radps=yaw_rate)
         steering = self._steer(observation, reference)
         target_mps = self._speed(speed_mps, reference.speed_mps)
-        self._acceleration_mps2 = self._accelerate(speed_mps, target_mps)
+        self._acceleration_mps2 = self._accelerate(speed_mps, target_mps, reference.acceleration_mps2)
         throttle = self._acceleration_mps2 / self._vehicle.full_mps2(self._acceleration_mps2)
         return Command(throttle, steering / self._vehicle.steering_limit_rad)
 
@@ -308,11 +308,12 @@ class Gtsmc:
             return 0.0
         return min(max(s_l - hard_excess(speed_mps, self._gains.hard_braking_error_mps), 0.0), 1.0)
 
-    def _accelerate(self, speed_mps: float, reference_mps: float) -> float:
+    def _accelerate(self, speed_mps: float, reference_mps: float, planned_mps2: float) -> float:
         """The acceleration, m/s^2, within the vehicle's limits."""
         s_l = self._gains.c_l * speed_mps - reference_mps
         demand = relay(-s_l, self._gains.speed_boundary_layer_mps)
         acceleration = demand * (self._gains.a0_mps2 if demand > 0.0 else self._gains.brake_a0_mps2)
+        acceleration += planned_mps2
         hard_share = self._hard_braking_share(s_l, speed_mps)
         if self._change_limit is not None:
             if hard_share > 0.0:
@@ -329,4 +330,5 @@ def _bounded(reference: Reference) -> Reference:
         heading if abs(heading) <= MAX_RAD else wrap_angle(heading),
         min(max(speed, -MAX_MPS), MAX_MPS),
         None if rate is None else min(max(rate, -MAX_RADPS), MAX_RADPS),
+        min(max(reference.acceleration_mps2, -MAX_MPS2), MAX_MPS2),
     )

@@ -169,18 +169,6 @@ class Command:
     steering: float
 
 
-@dataclass(frozen=True, slots=True)
-class TrackingTarget:
-    """What a car that follows a planned motion should do now, and how far it is off."""
-
-    lateral_error_m: float  # + is right of the path
-    course_error_rad: float  # + points to the right of the path
-    curvature_per_m: float  # of the path, as far ahead as the steering needs
-    speed_mps: float
-    acceleration_mps2: float
-    behind_m: float  # the planned place less the car's, along the road
-
-
 class Driver(Protocol):
     """What is under test: frames in, throttle and steering out.
 
@@ -412,6 +400,7 @@ class Reference:
     heading_rad: float  # in the world
     speed_mps: float
     heading_rate_radps: float | None = None  # None: the controller differentiates the heading itself
+    acceleration_mps2: float = 0.0  # along the motion that is planned
 
 
 @dataclass(frozen=True, slots=True)

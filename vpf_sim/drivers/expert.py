@@ -17,7 +17,7 @@ class ExpertDriver(Driver):
         if setup.world is None:
             raise InputError("driver expert: expected the world in its setup, got none")
         self._truth = TrueScene(setup)
-        self._follower = MotionFollower(setup.vehicle)
+        self._follower = MotionFollower(setup)
 
     def act(self, observation: Observation) -> Command:
         if self._follower.is_due(observation.time_s):

@@ -2,25 +2,27 @@
 
 import numpy as np
 
-from vpf_sim.controllers import trajectory
+from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.planning.spacetime import settings
 from vpf_sim.planning.spacetime.motion import Motion, MotionPlan
 from vpf_sim.planning.spacetime.planner import SpacetimePlanner
-from vpf_sim.planning.spacetime.tracking import target
+from vpf_sim.planning.spacetime.tracking import reference
 from vpf_sim.scene import Road, Scene
-from vpf_sim.types import Command, Force, Observation, Perception, Plan, Reference, VehicleModel
+from vpf_sim.types import Command, DriverSetup, Force, Observation, Perception, Plan
 
 REPLAN_S = 0.1
+GAINS = "motion"
 EXACT_S = 1e-6  # rounding of times
 NO_FORCE = Force(*np.zeros((4, 2)))
 
 
 class MotionFollower:
-    """The planner with its last motion, and the controller."""
+    """The planner with its last motion, and the gradient-tracking sliding mode controller."""
 
-    def __init__(self, vehicle: VehicleModel) -> None:
-        self._vehicle = vehicle
-        self._planner = SpacetimePlanner(settings.load(), vehicle)
+    def __init__(self, setup: DriverSetup) -> None:
+        self._vehicle = setup.vehicle
+        self._planner = SpacetimePlanner(settings.load(), setup.vehicle)
+        self._controller = Gtsmc(load_gains(GAINS), setup.vehicle, setup.rate_hz)
         self.motion: Motion | None = None
         self.plan: Plan | None = None  # of the last step
 
@@ -38,8 +40,8 @@ class MotionFollower:
         """The command for the car at (s, d) m."""
         if self.motion is None:
             raise ValueError("motion: expected a plan before the first command, got none")
-        wanted = target(self.motion, road, observation, place_m, self._vehicle)
-        heading_rad = observation.yaw_rad - wanted.course_error_rad
+        wanted = reference(self.motion, road, observation, place_m, self._vehicle)
         extra = MotionPlan(self.motion, road, observation.pose)
-        self.plan = Plan(perception, NO_FORCE, Reference(heading_rad, wanted.speed_mps), extra)
-        return trajectory.command(wanted, observation.speed_mps, self._vehicle)
+        command = self._controller.command(observation, wanted)
+        self.plan = Plan(perception, NO_FORCE, wanted, extra, self._controller.reaching.holds)
+        return command

@@ -25,7 +25,7 @@ class SceneDriver(Driver):
         self._plausibility = Plausibility(self._variant.plausibility, setup.vehicle)
         self._odometry = Odometry(self._variant.odometry, setup.vehicle) if self._variant.odometry else None
         self._scene = CameraScene(self._variant.road_edges.object_sizes)
-        self._follower = MotionFollower(setup.vehicle)
+        self._follower = MotionFollower(setup)
         self._lost_m = 0.0  # way since the road was seen
 
     def act(self, observation: Observation) -> Command:

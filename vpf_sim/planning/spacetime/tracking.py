@@ -1,37 +1,55 @@
-"""What the controller has to do to follow the chosen motion."""
+"""The reference of the controller: the gradient line to the chosen motion, and its speed.
 
-from math import atan
+The reference heading is that of the path, turned towards it by atan(e / l) for the lateral deviation e and a length l
+that grows with the speed; its rate is the derivative in closed form.
+"""
+
+from math import atan, sin
 
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning.spacetime.motion import Motion
 from vpf_sim.planning.spacetime.motions import LEAST_STRETCH, path_curvature
 from vpf_sim.planning.spacetime.planner import slip_rad
 from vpf_sim.scene.road import Road
-from vpf_sim.types import Observation, TrackingTarget, VehicleModel
+from vpf_sim.types import Observation, Reference, VehicleModel
 
+LEAST_REACH_M, REACH_S = 2.2, 0.7  # l
 STEERING_S, LEAST_AHEAD_M = 0.15, 0.3  # how far ahead the path's curvature is read
 PEDALS_S = 0.05
+PLACE_PER_S, MOST_PLACE_M, PLACE_FROM_MPS = 0.2, 1.0, 0.5
+STANDING_MPS, HOLD_MPS = 0.05, -0.5  # a reference below 0 holds the car by its brake
 
 
-def target(
+def reference(
     motion: Motion, road: Road, observation: Observation, place_m: tuple[float, float], vehicle: VehicleModel
-) -> TrackingTarget:
-    """The target at an observation's time, for the car at (s, d)."""
+) -> Reference:
+    """The reference at an observation's time, for the car at (s, d)."""
     s, d = place_m
     heading, bend = road.direction_at(s)
     planned, slope, _ = motion.path_at(s)
+    off = d - planned
     course = heading + atan(slope / max(1.0 - bend * planned, LEAST_STRETCH))
-    own = observation.yaw_rad + slip_rad(observation.speed_mps, observation.yaw_rate_radps, vehicle)
-    ahead = s + max(STEERING_S * observation.speed_mps, LEAST_AHEAD_M)
-    now_s = observation.time_s
-    return TrackingTarget(
-        lateral_error_m=d - planned,
-        course_error_rad=wrap_angle(own - course),
-        curvature_per_m=_curvature(motion, road, ahead),
-        speed_mps=motion.speed_at(now_s + PEDALS_S),
-        acceleration_mps2=motion.acceleration_at(now_s + PEDALS_S),
-        behind_m=motion.s_at(now_s) - s,
+    speed, slip = observation.speed_mps, slip_rad(observation.speed_mps, observation.yaw_rate_radps, vehicle)
+    error = wrap_angle(observation.yaw_rad + slip - course)
+    reach = max(LEAST_REACH_M, REACH_S * speed)
+    turning = speed * sin(error) * reach / (reach**2 + off**2)  # of atan(e / l), rad/s
+    curvature = _curvature(motion, road, s + max(STEERING_S * speed, LEAST_AHEAD_M))
+    return Reference(
+        heading_rad=observation.yaw_rad - error - atan(off / reach),
+        speed_mps=_speed(motion, observation.time_s, s),
+        heading_rate_radps=speed * curvature - turning,
+        acceleration_mps2=motion.acceleration_at(observation.time_s + PEDALS_S),
     )
+
+
+def _speed(motion: Motion, time_s: float, s_m: float) -> float:
+    """m/s: the motion's, and a little more where the car is behind its planned place."""
+    speed = motion.speed_at(time_s + PEDALS_S)
+    if speed < STANDING_MPS and motion.acceleration_at(time_s + PEDALS_S) <= 0.0:
+        return HOLD_MPS
+    if speed <= PLACE_FROM_MPS:
+        return speed
+    return speed + PLACE_PER_S * min(max(motion.s_at(time_s) - s_m, -MOST_PLACE_M), MOST_PLACE_M)
 
 
 def _curvature(motion: Motion, road: Road, s_m: float) -> float:

@@ -1,0 +1,81 @@
+"""The gradient-tracking controller on motions planned in space and time, in closed loop with a kinematic bicycle."""
+
+from math import asin
+
+import numpy as np
+import pytest
+from bicycle import Bicycle
+from made_scene import LANE_M, road, scene, tracks
+
+from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
+from vpf_sim.planning.spacetime import settings
+from vpf_sim.planning.spacetime.motion import Motion
+from vpf_sim.planning.spacetime.planner import SpacetimePlanner
+from vpf_sim.planning.spacetime.tracking import reference
+from vpf_sim.scene import Road
+from vpf_sim.types import VehicleModel
+
+VEHICLE = VehicleModel()
+
+
+def driven(on: Road, motion: Motion, car: Bicycle, duration_s: float) -> np.ndarray:
+    """(N, 3) m: deviation from the path, s behind the plan, and the speed's error in m/s, of each step."""
+    control, rows = Gtsmc(load_gains("motion"), VEHICLE, 60.0), []
+    s = motion.start.s_m
+    for _ in range(round(60.0 * duration_s)):
+        places = on.place_at(np.array([car.x_m]), np.array([car.y_m]), np.array([s]))
+        s, d = (float(value[0]) for value in places)
+        seen = car.observe()
+        rows.append(
+            (d - motion.path_at(s)[0], motion.s_at(seen.time_s) - s, motion.speed_at(seen.time_s) - car.speed_mps)
+        )
+        car.step(control.command(seen, reference(motion, on, seen, (s, d), VEHICLE)))
+    return np.array(rows)
+
+
+def planned(on: Road, objects: tuple[tuple[float, ...], ...], speed_mps: float, reference_mps: float) -> Motion:
+    made = scene(on, tracks(on, *objects), 0.0, 0.0, speed_mps, reference_mps)
+    return SpacetimePlanner(settings.load(), VEHICLE).plan(made)
+
+
+@pytest.mark.parametrize("speed_mps", [3.0, 5.5, 12.0, 25.0])
+def test_a_motion_around_an_obstacle_is_followed(speed_mps: float) -> None:
+    on = road()
+    motion = planned(on, ((3.5 * speed_mps + 4.0, 0.4, 0.0, 0.0, 4.5, 1.9),), speed_mps, speed_mps)
+    assert abs(motion.path.end_m[0]) > 1.0
+    off, behind, _ = driven(on, motion, Bicycle(speed_mps=speed_mps), 3.5).T
+    assert np.abs(off).max() < 0.12
+    assert np.abs(behind).max() < 0.5
+
+
+@pytest.mark.parametrize("speed_mps", [3.0, 8.0, 25.0])
+def test_a_deviation_decays_without_overshoot(speed_mps: float) -> None:
+    on = road()
+    off, _, _ = driven(on, planned(on, (), speed_mps, speed_mps), Bicycle(y_m=0.4, speed_mps=speed_mps), 5.0).T
+    assert abs(off[-1]) < 0.03
+    assert off.min() > -0.08
+
+
+@pytest.mark.parametrize("radius_m", [15.0, -15.0])
+def test_it_stays_on_a_circle(radius_m: float) -> None:
+    on = road(1.0 / radius_m)
+    motion = planned(on, (), 5.0, 5.0)
+    slip = asin(VEHICLE.l_r_m / radius_m)
+    car = Bicycle(speed_mps=5.0, yaw_rad=-slip, yaw_rate_radps=5.0 / radius_m)
+    assert np.abs(driven(on, motion, car, 4.0)[180:, 0]).max() < 0.05  # the wheels were straight
+
+
+def test_the_planned_stop_is_kept_and_the_car_held() -> None:
+    on = road()
+    wall = tuple((10.5, d, 0.0, 0.0, 4.5, 3.4) for d in (-LANE_M, 0.0, LANE_M))
+    motion = planned(on, wall, 5.5, 5.5)
+    assert motion.speed_at(4.9) == 0.0
+    car = Bicycle()
+    _, behind, slower = driven(on, motion, car, 5.0).T
+    assert car.speed_mps == 0.0
+    assert np.abs(behind).max() < 0.3
+    assert np.abs(slower).max() < 0.5
+    held = Gtsmc(load_gains("motion"), VEHICLE, 60.0).command(
+        car.observe(), reference(motion, on, car.observe(), (motion.s_at(5.0), 0.0), VEHICLE)
+    )
+    assert held.throttle < 0.0
