@@ -31,7 +31,7 @@ from behaviour_cloning.export import commit, export
 from vpf_sim.drivers.learned.manifest import Manifest, PictureInput, StateInput, Training
 from vpf_sim.envs.learning import FourLanePixels, RewardWeights
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.sweeps.seeds import parse_seeds
+from vpf_sim.evaluation.sweeps.plan import parse_seeds
 from vpf_sim.policy_state import SPEED_SCALE_MPS, STATE
 
 SCENARIOS, WEATHERS = ("straight", "curve-left"), ("clear", "rain")

@@ -18,7 +18,7 @@ from pathlib import Path
 from subprocess import DEVNULL
 from time import sleep
 
-from vpf_sim.evaluation.sweeps.json_lines import read_lines
+from vpf_sim.evaluation.sweeps.run_folder import read_lines
 
 SCENARIO = """
 schema = 1

@@ -22,13 +22,11 @@ LEAVES = {
     "configuration_faults",
     "configuration_fields",
     "files",
-    "shell",
     "system",
     "process_state",
     "pipeline",
     "policy_state",
     "timing",
-    "tracebacks",
     "window",
 }
 MAY_IMPORT = {
@@ -55,7 +53,6 @@ PREFIX = "vpf_sim.evaluation."
 EVALUATION = [
     "metrics",
     "truth",
-    "processes",
     "episode",
     "sweeps",
     "analysis",

@@ -15,8 +15,7 @@ from vpf_sim.evaluation.gate.checks import Check
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.steps import write as write_steps
-from vpf_sim.evaluation.sweeps.json_lines import JsonLines
-from vpf_sim.evaluation.sweeps.run_folder import write_json
+from vpf_sim.evaluation.sweeps.run_folder import JsonLines, write_json
 from vpf_sim.files import file_name, replacing, write_text
 from vpf_sim.reporting.check_files import write_junit
 from vpf_sim.reporting.video import Writer
@@ -172,8 +171,8 @@ def test_a_folder_is_refused_before_any_work(tmp_path: Path) -> None:
 # Calls that write a file, by the file of ours that may have them: each hands a draft to a library, or appends lines.
 ALLOWED = {
     "vpf_sim/files.py": {"open", "write_bytes", "replace", "rename"},
-    "vpf_sim/evaluation/sweeps/json_lines.py": {"os.open"},  # appended to, and cut back where there is no room
-    "vpf_sim/evaluation/processes/pool.py": {"mkstemp", "os.open"},  # a worker's log, appended to by its watchdog
+    "vpf_sim/evaluation/sweeps/run_folder.py": {"os.open"},  # appended to, and cut back where there is no room
+    "vpf_sim/evaluation/pool.py": {"mkstemp", "os.open"},  # a worker's log, appended to by its watchdog
     "vpf_sim/cli/streams.py": {"os.open"},  # the null device
     "vpf_sim/evaluation/parquet.py": {"write_parquet"},
     "vpf_sim/datasets/lerobot.py": {"write_table", "to_parquet"},

@@ -11,7 +11,7 @@ from systems import POSIX_ONLY
 from vpf_sim import system
 from vpf_sim.evaluation.gate.cells import Cell
 from vpf_sim.evaluation.gate.checks import drive_command
-from vpf_sim.shell import command
+from vpf_sim.system import command
 
 ROOT = Path(__file__).parents[1]
 WRITTEN_OUT = re.compile(r"vpf-sim [a-z]+ (?:--?[a-z]+ )*\{")  # an f-string or a template that fills in a word

@@ -11,7 +11,7 @@ import pytest
 from vpf_sim import cli, system
 from vpf_sim.evaluation.gate.cells import Cell
 from vpf_sim.evaluation.gate.checks import drive_command
-from vpf_sim.shell import command
+from vpf_sim.system import command
 
 ROOT = Path(__file__).parents[1]
 FOLDERS = ("vpf_sim", "controllers", "envs", "scenarios")

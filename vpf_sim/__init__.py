@@ -20,8 +20,7 @@ from gymnasium.envs.registration import register
 
 if TYPE_CHECKING:
     from vpf_sim.api.drive import Episode, drive
-    from vpf_sim.api.export import export
-    from vpf_sim.api.report import report
+    from vpf_sim.api.report import export, report
     from vpf_sim.api.run import Run
     from vpf_sim.api.sweep import sweep
     from vpf_sim.envs.camera.rig import Rig

@@ -1,10 +1,13 @@
 """Errors of the user, one line each."""
 
+import re
+import sysconfig
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from difflib import get_close_matches
 from inspect import Parameter, signature
+from pathlib import Path
 from textwrap import shorten
 from typing import Any
 
@@ -12,6 +15,11 @@ _COMMAND_LINE = ContextVar("command_line", default=False)
 
 
 MOST_NAMES_LENGTH = 600  # characters of a list of names in a message
+PLACE = re.compile(r'^ +File "(.+)", line (\d+)', re.MULTILINE)
+NAMED = re.compile(r", line \d+\)$")  # a message that names its place
+OURS = str(Path(__file__).parent)
+STANDARD = tuple({sysconfig.get_path(name) for name in ("stdlib", "platstdlib")})
+INSTALLED = {"site-packages", "dist-packages"}
 
 
 class InputError(Exception):
@@ -76,3 +84,25 @@ def refuse_options(options: Any) -> None:
     """InputError for `options` of a reset: the environments have none."""
     if options is not None and options != {}:
         raise InputError(f"reset: options: expected none, got {shown(options)}")
+
+
+def cause(traceback: str) -> str:
+    """The exception with its message, and the file and line in a user's code where it happened."""
+    lines = traceback.strip().splitlines()
+    begins = max((number + 1 for number, line in enumerate(lines) if line.startswith(" ")), default=0)
+    said = " ".join(line.strip() for line in lines[begins:] or lines[-1:])
+    place = _place(PLACE.findall(traceback))
+    return said if place is None or NAMED.search(said) else f"{said} ({place[0]}, line {place[1]})"
+
+
+def _place(places: list[tuple[str, str]]) -> tuple[str, str] | None:
+    """The innermost place in a user's code; in an installed package, that which we called; else the innermost."""
+    own = [place for place in places if not (_is_library(place[0]) or place[0].startswith((OURS, "<")))]
+    if own:
+        return own[-1]
+    last_of_ours = max((number for number, place in enumerate(places) if place[0].startswith(OURS)), default=-1)
+    return next(iter(places[last_of_ours + 1 :] or places[-1:]), None)
+
+
+def _is_library(file: str) -> bool:
+    return file.startswith(STANDARD) or not INSTALLED.isdisjoint(Path(file).parts)

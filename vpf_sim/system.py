@@ -1,14 +1,20 @@
-"""What differs between operating systems, in one place."""
+"""What differs between operating systems, suggested commands, and one thread for each process.
+
+Workers run side by side, and results must not depend on the number of cores.
+"""
 
 import os
 import re
 import shlex
 import subprocess
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
 from typing import NoReturn
 
 WINDOWS = os.name == "nt"
 PLAIN = re.compile(r"[\w@%+=:,./\\-]+")  # words that cmd and PowerShell pass on as they are
+LIMITS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS"), "1")
 
 
 def quoted(words: Sequence[str]) -> str:
@@ -40,3 +46,68 @@ def _windows_word(word: str) -> str:
     if PLAIN.fullmatch(word):
         return word
     return '"' + re.sub(r'(\\*)("|$)', lambda match: 2 * match[1] + match[2].replace('"', '\\"'), word) + '"'
+
+
+def are_limited() -> bool:
+    """Whether the environment limits the numeric libraries to one thread."""
+    return all(os.environ.get(name) == value for name, value in LIMITS.items())
+
+
+@contextmanager
+def limited_environment() -> Iterator[None]:
+    """Set the limits in the environment while a process starts, and restore it."""
+    before = {name: os.environ.get(name) for name in LIMITS}
+    os.environ.update(LIMITS)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+
+
+def limit_opencv() -> None:
+    """Limit OpenCV to one thread and no GPU, whose results would differ."""
+    import cv2
+
+    cv2.setNumThreads(1)
+    cv2.ocl.setUseOpenCL(False)
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Drive in a process of the user's as in one of ours; its number of OpenCV's threads is restored.
+
+    The threads of numpy's BLAS are read from the environment when numpy is imported, and stay. An episode then computes
+    about 10 % more on two cores, with the same states; the environment variable OPENBLAS_NUM_THREADS=1 avoids it.
+    """
+    import cv2
+
+    threads = cv2.getNumThreads()
+    limit_opencv()
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(threads)
+
+
+def command(name: str, *arguments: str | Path, **options: str | Path | float | bool | None) -> str:
+    """`vpf-sim NAME ARGUMENTS --option value`, quoted for the user's shell.
+
+    Options that are None or False are omitted, True has no value; "_" in a name becomes "-".
+    """
+    words = ["vpf-sim", *name.split(), *map(_argument, arguments)]
+    for option, value in options.items():
+        if value is None or value is False:
+            continue
+        words.append(f"--{option.replace('_', '-')}")
+        if value is not True:
+            words.append(str(value))
+    return quoted(words)
+
+
+def _argument(value: str | Path) -> str:
+    """The argument; a path that begins with a dash would be read as an option."""
+    return f"./{value}" if str(value).startswith("-") else str(value)

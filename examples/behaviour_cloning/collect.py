@@ -12,13 +12,12 @@ import numpy as np
 
 from behaviour_cloning import scenes
 from behaviour_cloning.expert import Expert
-from vpf_sim.drivers.learned.driver import OnnxDriver
-from vpf_sim.drivers.learned.inputs import shrink, state_vector
+from vpf_sim.drivers.learned.driver import OnnxDriver, shrink, state_vector
 from vpf_sim.drivers.learned.manifest import Manifest
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.episode import read, setup_for
-from vpf_sim.evaluation.processes.threads import limit_opencv, limited_environment
 from vpf_sim.seeding import stream
+from vpf_sim.system import limit_opencv, limited_environment
 from vpf_sim.types import Command, Driver, Image, Observation, Singles
 
 TURN = (20, 120)  # decisions, before the wheel may pass to the other

@@ -14,7 +14,7 @@ from short_scenario import write_short
 
 import vpf_sim
 from vpf_sim.drivers import RouteDriver
-from vpf_sim.evaluation.sweeps.json_lines import read_lines
+from vpf_sim.evaluation.sweeps.run_folder import read_lines
 
 
 class Pid(RouteDriver):

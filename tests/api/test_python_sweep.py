@@ -258,7 +258,7 @@ def test_an_error_before_the_first_episode_leaves_no_folder_that_blocks(
     if is_theirs:
         Path("mine").mkdir()
     with monkeypatch.context() as patch:
-        patch.setattr("vpf_sim.evaluation.processes.pool.SPAWN.Process", fails)
+        patch.setattr("vpf_sim.evaluation.pool.SPAWN.Process", fails)
         with pytest.raises(RuntimeError, match="no process can be started"):
             sweep(short, "pid", out="mine")
     assert Path("mine").exists() == is_theirs

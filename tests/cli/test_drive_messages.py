@@ -8,7 +8,7 @@ import pytest
 from short_scenario import SHORT, write_short
 
 from vpf_sim import cli
-from vpf_sim.tracebacks import cause
+from vpf_sim.errors import cause
 
 DRIVERS = """import numpy as np
 import vpf_sim
@@ -144,7 +144,7 @@ def test_ctrl_c_is_one_line(
 
     monkeypatch.setattr("vpf_sim.evaluation.episode.episode.run", stop)
     monkeypatch.setattr("vpf_sim.envs.four_lane.FourLane.reset", stop)
-    monkeypatch.setattr("vpf_sim.evaluation.processes.pool.run", stop)
+    monkeypatch.setattr("vpf_sim.evaluation.pool.run", stop)
     assert cli.run(command) == 130
     (line,) = capsys.readouterr().err.splitlines()
     assert line == "vpf-sim: stopped by Ctrl-C" + ("; the drive is not stored" if command[0] == "drive" else "")

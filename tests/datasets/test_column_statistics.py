@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vpf_sim.datasets.statistics import QUANTILES, PixelCounts, combined, of_values
+from vpf_sim.datasets.datasheet import QUANTILES, PixelCounts, combined, of_values
 
 
 def test_counts_give_the_statistics_of_the_pixels() -> None:

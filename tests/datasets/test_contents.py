@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from vpf_sim.datasets.contents import STATE, Contents, state_of
+from vpf_sim.datasets.episode import STATE, Contents, state_of
 from vpf_sim.errors import InputError
 from vpf_sim.types import Observation
 

@@ -10,9 +10,9 @@ from driven_short import STOPS_AT, Driven
 
 import vpf_sim
 from vpf_sim import cli
-from vpf_sim.datasets import export, formats, lerobot, minari_format
-from vpf_sim.datasets.contents import Contents
+from vpf_sim.datasets import export, lerobot, minari_format
 from vpf_sim.datasets.datasheet import spans
+from vpf_sim.datasets.episode import Contents
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.sweeps.run_folder import write_json
 from vpf_sim.reporting.run_data import RunData, open_run
@@ -159,7 +159,7 @@ def test_a_draft_of_another_process_is_not_touched(run: Path) -> None:
     ids=["lerobot", "minari"],
 )
 def test_a_missing_library_is_named_with_its_remedy(
-    form: formats.Format, library: str, monkeypatch: pytest.MonkeyPatch
+    form: export.Format, library: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, library, None)
     with pytest.raises(InputError) as caught:

@@ -13,8 +13,7 @@ from short_scenario import write_short
 
 import vpf_sim
 from vpf_sim import cli, configuration, drivers
-from vpf_sim.drivers.learned.driver import OnnxDriver
-from vpf_sim.drivers.learned.inputs import shrink
+from vpf_sim.drivers.learned.driver import OnnxDriver, shrink
 from vpf_sim.drivers.learned.manifest import Crop, Manifest, PictureInput
 from vpf_sim.envs.ego import MAX_SPEED_MPS, YAW_RATE_LIMIT_RADPS
 from vpf_sim.envs.learning import FourLanePixels

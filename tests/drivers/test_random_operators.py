@@ -10,7 +10,7 @@ import pytest
 from onnx import TensorProto, helper, numpy_helper
 
 from vpf_sim.drivers.learned.driver import OnnxDriver
-from vpf_sim.drivers.learned.random_operators import random_operators
+from vpf_sim.drivers.learned.session import random_operators
 from vpf_sim.errors import InputError
 
 FLOAT, SHAPE = TensorProto.FLOAT, (1, 2)

@@ -9,7 +9,7 @@ import pytest
 from vpf_sim import scenarios
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.envs.road import centre_line
-from vpf_sim.gallery.scripted import Path, ScriptedDrive, TimedPath, smooth_step
+from vpf_sim.gallery.poses import Path, ScriptedDrive, TimedPath, smooth_step
 
 
 def weave(s_m: float) -> float:

@@ -5,7 +5,7 @@ import numpy as np
 
 from vpf_sim import scenarios
 from vpf_sim.envs.camera import Rig, Weather
-from vpf_sim.gallery.scripted import Path, ScriptedDrive
+from vpf_sim.gallery.poses import Path, ScriptedDrive
 from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.types import Floats
 

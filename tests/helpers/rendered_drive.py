@@ -11,7 +11,7 @@ import numpy as np
 
 from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.camera import weather as weathers
-from vpf_sim.gallery.scripted import Path, ScriptedDrive
+from vpf_sim.gallery.poses import Path, ScriptedDrive
 from vpf_sim.geometry import unwrapped
 from vpf_sim.replay.recording import Frame, Origin, Recording
 from vpf_sim.scenarios import Scenario

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, SupportsIndex
 
 from vpf_sim import drivers
-from vpf_sim.api.paths import StrPath, output_file, text
+from vpf_sim.api.run import StrPath, output_file, text
 from vpf_sim.drivers import DriverLike
 from vpf_sim.errors import InputError, option, shown
 from vpf_sim.evaluation.episode import episode
-from vpf_sim.evaluation.processes.threads import one_thread
+from vpf_sim.system import one_thread
 from vpf_sim.window import require_display
 
 if TYPE_CHECKING:
@@ -127,7 +127,7 @@ def driven(
 
 def _checked_seed(seed: int) -> int:
     """The seed as Python's own number, also of numpy's."""
-    from vpf_sim.evaluation.sweeps.seeds import MOST_DIGITS
+    from vpf_sim.evaluation.sweeps.plan import MOST_DIGITS
 
     if isinstance(seed, bool) or not isinstance(seed, SupportsIndex) or not 0 <= index(seed) < 10**MOST_DIGITS:
         raise InputError(f"{option('seed')}: expected a whole number of 1 to {MOST_DIGITS} digits, got {shown(seed)}")

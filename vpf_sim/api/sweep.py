@@ -5,15 +5,12 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from vpf_sim import drivers
-from vpf_sim.api.execution import Execution
-from vpf_sim.api.filling import fill
-from vpf_sim.api.paths import StrPath, text, texts
-from vpf_sim.api.run import Run
+from vpf_sim.api.filling import Execution, fill
+from vpf_sim.api.run import Run, StrPath, text, texts
 from vpf_sim.drivers import DriverLike
 from vpf_sim.errors import InputError, shown
 from vpf_sim.evaluation.sweeps import run_folder
-from vpf_sim.evaluation.sweeps.plan import make_plan
-from vpf_sim.evaluation.sweeps.seeds import seeds_text
+from vpf_sim.evaluation.sweeps.plan import make_plan, seeds_text
 
 Drivers: TypeAlias = DriverLike | Iterable[DriverLike] | Mapping[str, DriverLike]
 

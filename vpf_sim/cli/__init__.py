@@ -26,7 +26,6 @@ from vpf_sim.cli import (
 )
 from vpf_sim.cli.options import Command
 from vpf_sim.errors import InputError, on_command_line
-from vpf_sim.evaluation.processes import threads
 
 SIMULATING = (
     "drive",
@@ -151,6 +150,6 @@ def _refuse(message: str) -> int:
 
 def _limit_threads(arguments: Sequence[str]) -> None:
     """Restart with one thread per numeric library, since they read their limits when numpy is imported."""
-    if not threads.are_limited():
+    if not system.are_limited():
         own = [sys.executable, "-P", "-m", "vpf_sim.cli"]  # -P: the working directory comes last in sys.path
-        system.replace_process([*own, *arguments], {**os.environ, **threads.LIMITS})
+        system.replace_process([*own, *arguments], {**os.environ, **system.LIMITS})

@@ -18,7 +18,7 @@ from vpf_sim.cli.options import (
     prints_on_stderr,
 )
 from vpf_sim.cli.tables import measured
-from vpf_sim.tracebacks import cause
+from vpf_sim.errors import cause
 
 if TYPE_CHECKING:
     from vpf_sim.api.drive import Episode

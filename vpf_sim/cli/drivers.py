@@ -74,7 +74,7 @@ def validate(driver: DriverArgument, json: JsonOption = False) -> None:
     It is loaded, and drives some frames without and with an obstacle.
     """
     from vpf_sim.evaluation.episode import driver_check
-    from vpf_sim.evaluation.processes.threads import limit_opencv
+    from vpf_sim.system import limit_opencv
 
     def check() -> dict[str, str]:
         limit_opencv()

@@ -45,7 +45,7 @@ def export(
 
     Frames are drawn again, actions are those recorded; README.md in the folder is its data sheet.
     """
-    from vpf_sim.api.export import export as write
+    from vpf_sim.api.report import export as write
     from vpf_sim.datasets.export import as_json
 
     names = [name for name in truth.split(",") if name]

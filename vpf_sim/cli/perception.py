@@ -39,18 +39,18 @@ def perception(
 
     Their frames are rendered again, and the detections are compared with the ground truth.
     """
-    from vpf_sim.evaluation.perception import measure, poses, store
+    from vpf_sim.evaluation.perception import store
     from vpf_sim.evaluation.sweeps.sweep import default_workers
 
     before = None if against is None else store.read(against)
     drivers = list(dict.fromkeys(driver or ["vpf"]))
     with prints_on_stderr():
-        drives = poses.stored_drives(runs or [_fixed_set(workers)], ids or [])
-        found = measure.measure(drives, drivers, workers or default_workers(), _Progress(len(drives)))
-        table = measure.table(found)
+        drives = store.stored_drives(runs or [_fixed_set(workers)], ids or [])
+        found = store.measure(drives, drivers, workers or default_workers(), _Progress(len(drives)))
+        table = store.table(found)
         table["differences"] = _differences(table, before, against)
         if not ids:
-            measure.store_by_run(found)
+            store.store_by_run(found)
         if out is not None:
             store.write(out, table)
     if json:
@@ -63,15 +63,15 @@ def perception(
 
 def _fixed_set(workers: int | None) -> Path:
     """The run folder of the fixed set, which is driven first if it is incomplete."""
-    from vpf_sim.api.execution import Execution
+    from vpf_sim.api.filling import Execution
     from vpf_sim.api.progress import say
     from vpf_sim.cli.run_options import fill
-    from vpf_sim.evaluation.perception import poses
+    from vpf_sim.evaluation.perception import store
     from vpf_sim.evaluation.sweeps.manifest import MANIFEST
     from vpf_sim.evaluation.sweeps.run_folder import read_records
 
-    plan = poses.fixed_set()
-    folder = poses.folder_of(plan)
+    plan = store.fixed_set()
+    folder = store.folder_of(plan)
     begun = (folder / MANIFEST).exists()
     if begun and {record.id for record in read_records(folder)} >= {job.id for job in plan.jobs()}:
         return folder

@@ -21,7 +21,7 @@ from vpf_sim.cli.options import (
 from vpf_sim.cli.tables import in_one_line, print_table
 from vpf_sim.errors import InputError
 from vpf_sim.files import file_name
-from vpf_sim.shell import command
+from vpf_sim.system import command
 
 if TYPE_CHECKING:
     from vpf_sim.replay.recording import Recording
@@ -66,11 +66,11 @@ def replay(
     Exit code 1 on an error of the driver, 2 on an unusable recording; the other drives are still replayed.
     """
     from vpf_sim import drivers
-    from vpf_sim.evaluation.processes.threads import limit_opencv
     from vpf_sim.evaluation.sweeps import run_folder
     from vpf_sim.replay import inputs
     from vpf_sim.replay.replay_folder import ReplayFolder
     from vpf_sim.reporting.video import require
+    from vpf_sim.system import limit_opencv
 
     limit_opencv()
     if video:

@@ -7,7 +7,7 @@ from inspect import Parameter, Signature, signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vpf_sim.api.execution import Execution
+from vpf_sim.api.filling import Execution
 from vpf_sim.cli.options import (
     ClusterOption,
     JsonOption,
@@ -71,7 +71,7 @@ def plan_of(run: RunOptions, asked: bool, make: "Callable[[], Plan]") -> "Plan":
     """The plan that `make` returns, or the stored one where a run is resumed and nothing else was asked."""
     from vpf_sim.evaluation.run_inputs import RunInputs
     from vpf_sim.evaluation.sweeps.manifest import MANIFEST, read_manifest, stored_plan
-    from vpf_sim.evaluation.sweeps.seeds import parse_seeds
+    from vpf_sim.evaluation.sweeps.plan import parse_seeds
 
     if run.seeds is not None:
         parse_seeds(run.seeds)

@@ -15,7 +15,7 @@ from vpf_sim.cli.options import (
 )
 from vpf_sim.cli.run_options import RunOptions, fill, plan_of, with_run_options
 from vpf_sim.cli.tables import print_table
-from vpf_sim.shell import command
+from vpf_sim.system import command
 
 if TYPE_CHECKING:
     from vpf_sim.evaluation.sweeps.plan import Plan
@@ -78,8 +78,8 @@ def sweep(
 def print_plan(plan: "Plan", run: RunOptions) -> None:
     """Check a plan as a sweep would, and print its cells and episodes without driving or writing."""
     from vpf_sim.evaluation.sweeps.manifest import Manifest
+    from vpf_sim.evaluation.sweeps.plan import seeds_text
     from vpf_sim.evaluation.sweeps.run_folder import admitted, read_records
-    from vpf_sim.evaluation.sweeps.seeds import seeds_text
 
     run.check(plan)
     with prints_on_stderr():

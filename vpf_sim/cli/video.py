@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vpf_sim.api.paths import output_file
+from vpf_sim.api.run import output_file
 from vpf_sim.cli.options import JsonOption, RunArgument, print_json, prints_on_stderr
 
 if TYPE_CHECKING:
@@ -30,10 +30,10 @@ def video(
     json: JsonOption = False,
 ) -> None:
     """Re-render an episode: camera, top view and signals."""
-    from vpf_sim.evaluation.processes.threads import limit_opencv
     from vpf_sim.reporting.redraw import redrawing
     from vpf_sim.reporting.run_data import open_run
     from vpf_sim.reporting.video import require
+    from vpf_sim.system import limit_opencv
 
     require("video")
     out = output_file("out", out)

@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.datasets import statistics
-from vpf_sim.datasets.contents import ACTION, STATE, Contents
-from vpf_sim.datasets.episode import Episode
+from vpf_sim.datasets import datasheet
+from vpf_sim.datasets.datasheet import PixelCounts, Statistics
+from vpf_sim.datasets.episode import ACTION, STATE, Contents, Episode
 from vpf_sim.datasets.formats import Place, Written, missing
-from vpf_sim.datasets.statistics import PixelCounts, Statistics
 from vpf_sim.errors import InputError, option
 from vpf_sim.evaluation.sweeps.run_folder import write_json
 from vpf_sim.files import replacing
@@ -88,7 +87,7 @@ class LeRobot:
         _write_rows(folder / EPISODES.format(**_file(0)), [_episode_row(one) for one in episodes])
         columns = [one.details[0] for one in episodes]
         together = {key: np.concatenate([one[key] for one in columns]) for key in columns[0]}
-        pixels = statistics.combined([one.details[1] for one in episodes])
+        pixels = datasheet.combined([one.details[1] for one in episodes])
         write_json(folder / "meta/stats.json", _statistics(together, pixels))
         write_json(folder / "meta/info.json", _info(episodes, len(tasks), together, contents))
 
@@ -163,7 +162,7 @@ def _episode_row(one: Written) -> dict[str, Any]:
 
 def _statistics(columns: Columns, pixels: PixelCounts) -> dict[str, Statistics]:
     """The statistics of each feature."""
-    values = {key: statistics.of_values(column) for key, column in columns.items()}
+    values = {key: datasheet.of_values(column) for key, column in columns.items()}
     return {CAMERA: pixels.statistics(), **values}
 
 

@@ -6,7 +6,7 @@ from inspect import getdoc
 from pathlib import Path
 
 from vpf_sim import process_state
-from vpf_sim.drivers import own, own_names
+from vpf_sim.drivers import own
 from vpf_sim.drivers.baselines import IdmDriver, NeutralDriver, RouteDriver
 from vpf_sim.drivers.expert import ExpertDriver
 from vpf_sim.drivers.scene_driver import SceneDriver
@@ -154,7 +154,7 @@ def create(driver: own.DriverLike) -> Driver:
     if ":" in driver or own.is_kept(driver):
         return own.load(driver)
     if driver not in _REGISTRY:
-        remedy = own_names.remedy(driver)
+        remedy = own.remedy(driver)
         raise InputError(f"driver '{driver}': {remedy}") if remedy else unknown_name("driver", driver, _REGISTRY)
     return _REGISTRY[driver].make()
 

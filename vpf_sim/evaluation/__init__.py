@@ -1,12 +1,11 @@
 """Drives episodes, scores them, and compares runs. Start reading at `episode/episode.py`, the closed loop.
 
-Modules here are shared by all packages: `job` (an episode to drive), `steps` (its step table), `outcome` (its ending),
-`scores` (by dotted key).
+Modules here are shared by all packages: `job` (an episode to drive), `steps` (its step table and ending),
+`scores` (by dotted key), `pool` (workers with timeouts and retries).
 Each package imports only packages above it:
 
 - metrics: the scores of an episode, the registry of all metrics, and the record that holds the scores
 - truth: ground truth from renderer and road, hidden from drivers
-- processes: single-threaded workers with timeouts and retries
 - episode: the closed loop, its step log and stage timing
 - sweeps: many episodes, and their run folder
 - analysis: statistics, comparisons and tables of a run's records

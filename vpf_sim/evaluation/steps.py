@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from pydantic import BaseModel
 
 from vpf_sim.evaluation import parquet
 from vpf_sim.types import Floats
@@ -127,3 +128,23 @@ def write(table: StepTable, path: Path) -> None:
 def read(path: Path) -> StepTable:
     """The table that `write` stored; InputError where it is missing or of another version."""
     return StepTable(parquet.read(path, Step._fields, "the steps of an episode", "step", LATER))
+
+
+class InvalidFrame(BaseModel, frozen=True, strict=True):
+    """The camera frame that ended an episode."""
+
+    frame: int
+    time_s: float
+    fault: str
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """The closed loop's result."""
+
+    status: str
+    steps: StepTable
+    collided_with: str | None
+    frames_sha256: str | None  # None: the driver uses no frames
+    traceback: str | None = None  # of an exception in the driver or the harness
+    invalid_frame: InvalidFrame | None = None

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from vpf_sim.envs.camera import Weather
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.processes import pool
+from vpf_sim.evaluation import pool
 from vpf_sim.files import file_name, write_bytes, write_text
 from vpf_sim.gallery.poses import POSES, SEED, Pose, video_drive
 from vpf_sim.gallery.weather_meaning import aliases, factors, in_words

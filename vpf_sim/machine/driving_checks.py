@@ -14,12 +14,12 @@ import numpy as np
 from vpf_sim import drivers, scenarios
 from vpf_sim.envs.ending import frame_fault
 from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.evaluation import pool
 from vpf_sim.evaluation.episode.episode import roll_out
-from vpf_sim.evaluation.processes import pool
-from vpf_sim.evaluation.processes.threads import limit_opencv
 from vpf_sim.machine import equal_frames
 from vpf_sim.machine.installation import BROKEN, Check
 from vpf_sim.scenarios.parts import Limits
+from vpf_sim.system import limit_opencv
 from vpf_sim.types import Camera, Image
 
 SCENARIO, DRIVER, SEED = "town04", "vpf", 7

@@ -12,8 +12,8 @@ import numpy as np
 from vpf_sim import drivers
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.episode import read, setup_for
-from vpf_sim.evaluation.processes.threads import limit_opencv
 from vpf_sim.perception.egomotion.flow import grey
+from vpf_sim.system import limit_opencv
 from vpf_sim.timing import WINDOW_STEPS, Stopwatch
 from vpf_sim.types import Image
 

@@ -7,9 +7,8 @@ from typing import Any
 
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
-from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
 from vpf_sim.evaluation.sweeps.manifest import change
-from vpf_sim.evaluation.sweeps.run_folder import LOCK, check_name, locked, write_json
+from vpf_sim.evaluation.sweeps.run_folder import LOCK, JsonLines, check_name, locked, read_lines, write_json
 from vpf_sim.replay import inputs
 from vpf_sim.replay.real_table import DIFFERENCES, rows
 

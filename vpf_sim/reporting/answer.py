@@ -11,8 +11,7 @@ from vpf_sim.evaluation.analysis.statistics import Difference, paired_shares, sh
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.metrics.registry import PATH_MSE
-from vpf_sim.evaluation.sweeps.plan import Plan
-from vpf_sim.evaluation.sweeps.seeds import parse_seeds
+from vpf_sim.evaluation.sweeps.plan import Plan, parse_seeds
 from vpf_sim.reporting.cells import Order, shown, text_of
 from vpf_sim.reporting.kit.table import formatted, interval_text
 

@@ -10,7 +10,7 @@ from vpf_sim.reporting.clips import EpisodeClip
 from vpf_sim.reporting.kit import interval_chart
 from vpf_sim.reporting.kit.page import render
 from vpf_sim.reporting.run_data import RunData, StoredRun
-from vpf_sim.shell import command
+from vpf_sim.system import command
 
 MOST_LISTED = 40  # groups of failures
 MOST_OPEN = 6  # pairs of scenario and weather of a table that is not folded

@@ -8,8 +8,7 @@ from vpf_sim import drivers
 from vpf_sim.evaluation.analysis.rows import Row
 from vpf_sim.evaluation.metrics.registry import AT_FAULT, COLLISIONS, SUCCESS, columns
 from vpf_sim.evaluation.sweeps.fingerprint import commit_of
-from vpf_sim.evaluation.sweeps.plan import Plan
-from vpf_sim.evaluation.sweeps.seeds import parse_seeds
+from vpf_sim.evaluation.sweeps.plan import Plan, parse_seeds
 from vpf_sim.reporting.cells import cell, driver_row, shown, text_of
 from vpf_sim.reporting.kit.table import NONE, Cell, Table, Value
 from vpf_sim.reporting.run_data import RunData, open_run

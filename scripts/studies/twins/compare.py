@@ -27,10 +27,10 @@ from measures import Measures
 from vpf_sim import drivers
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.analysis.text_table import text_table
-from vpf_sim.evaluation.processes.threads import limit_opencv
 from vpf_sim.replay import frame_table, open_loop
 from vpf_sim.replay.frame_table import FrameTable, table_path
 from vpf_sim.replay.recording import Recording
+from vpf_sim.system import limit_opencv
 from vpf_sim.types import Image
 
 SAMPLES = 16  # sampled frames of a drive, about

@@ -9,7 +9,7 @@ import numpy as np
 
 from vpf_sim.envs.camera import Rig, Weather
 from vpf_sim.envs.camera import weather as weathers
-from vpf_sim.gallery.scripted import ScriptedDrive, TimedPath
+from vpf_sim.gallery.poses import ScriptedDrive, TimedPath
 from vpf_sim.scenarios import Scenario
 from vpf_sim.scenarios.kinds import SIZES
 from vpf_sim.types import Camera, Floats

@@ -11,7 +11,7 @@ from street import Street
 
 from vpf_sim.errors import InputError
 from vpf_sim.files import write_bytes, write_text
-from vpf_sim.gallery.scripted import ScriptedDrive
+from vpf_sim.gallery.poses import ScriptedDrive
 from vpf_sim.replay import readers, video_file
 from vpf_sim.replay.recording import Recording
 from vpf_sim.reporting.kit.clip import jpeg

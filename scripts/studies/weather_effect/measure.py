@@ -13,14 +13,14 @@ from vpf_sim import scenarios
 from vpf_sim.envs.camera import Weather
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.evaluation.analysis.text_table import text_table
-from vpf_sim.evaluation.processes.threads import limit_opencv
 from vpf_sim.evaluation.truth.true_motion import OFF_PX, TrueMotion
-from vpf_sim.gallery.scripted import Path, ScriptedDrive, smooth_step
+from vpf_sim.gallery.poses import Path, ScriptedDrive, smooth_step
 from vpf_sim.perception.egomotion import focus_of_expansion
 from vpf_sim.perception.egomotion.flow import FlowTracker, grey
 from vpf_sim.planning import variant
 from vpf_sim.scenarios.parts import ObjectSpec
 from vpf_sim.seeding import stream
+from vpf_sim.system import limit_opencv
 
 WINDOW_FRAMES = 6  # 0.1 s at 60 Hz: the flow's window in `full-frame`
 DRY = {"precipitation": 0.0, "precipitation_deposits": 0.0, "wetness": 0.0, "droplets": 0.0, "wiper_period_s": 0.0}

@@ -11,10 +11,10 @@ import pytest
 
 from vpf_sim import scenarios
 from vpf_sim.envs.camera import weather as weathers
-from vpf_sim.evaluation.processes.threads import limit_opencv
-from vpf_sim.gallery.scripted import Path as Along
-from vpf_sim.gallery.scripted import ScriptedDrive
+from vpf_sim.gallery.poses import Path as Along
+from vpf_sim.gallery.poses import ScriptedDrive
 from vpf_sim.scenarios.parts import ObjectSpec
+from vpf_sim.system import limit_opencv
 
 FRAMES = 3
 NAMES = list(weathers.PRESETS)

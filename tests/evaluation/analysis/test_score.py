@@ -17,12 +17,11 @@ from vpf_sim.evaluation.analysis import rescore
 from vpf_sim.evaluation.analysis.summary import summarize
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics import driving_score, scoring
+from vpf_sim.evaluation.metrics import collision, scoring
 from vpf_sim.evaluation.metrics.records import Timing
-from vpf_sim.evaluation.sweeps.json_lines import read_lines
 from vpf_sim.evaluation.sweeps.manifest import Manifest, read_manifest
 from vpf_sim.evaluation.sweeps.plan import Plan
-from vpf_sim.evaluation.sweeps.run_folder import RunFolder
+from vpf_sim.evaluation.sweeps.run_folder import RunFolder, read_lines
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +90,7 @@ def test_a_changed_formula_is_stored_and_marked_with_the_code_that_made_it(
     run: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     before = read_lines(run / "episodes.jsonl")
-    monkeypatch.setattr(driving_score, "driving_score_2_0", lambda *_: 0.25)
+    monkeypatch.setattr(collision, "driving_score_2_0", lambda *_: 0.25)
     monkeypatch.setattr(rescore, "fingerprint", lambda: {"source": "newer"})
     assert set(map(tuple, rescore.rescore(run).changed.values())) == {("driving_score_2_0",)}
     after = read_lines(run / "episodes.jsonl")

@@ -13,7 +13,7 @@ from highway_env.road.road import Road
 from short_scenario import write_short
 
 from vpf_sim.evaluation.episode import episode
-from vpf_sim.evaluation.sweeps.json_lines import read_lines
+from vpf_sim.evaluation.sweeps.run_folder import read_lines
 from vpf_sim.types import Image
 
 CLEAN = ("town04-clean", "straight", "curve-left", "curve-right", "heading-30")

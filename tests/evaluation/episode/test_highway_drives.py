@@ -9,7 +9,7 @@ from highway_worlds import empty
 import vpf_sim
 from vpf_sim import cli
 from vpf_sim.evaluation.episode.episode import read
-from vpf_sim.evaluation.sweeps.json_lines import read_lines
+from vpf_sim.evaluation.sweeps.run_folder import read_lines
 
 SHORT = """
 schema = 1

@@ -14,8 +14,8 @@ from vpf_sim.envs import camera
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.metrics.scoring import failed
-from vpf_sim.evaluation.outcome import InvalidFrame
-from vpf_sim.evaluation.sweeps.json_lines import read_lines
+from vpf_sim.evaluation.steps import InvalidFrame
+from vpf_sim.evaluation.sweeps.run_folder import read_lines
 
 BREAKING = """
 import numpy as np

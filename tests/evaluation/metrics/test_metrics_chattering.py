@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vpf_sim.evaluation.metrics.chattering import chattering, direction_changes
+from vpf_sim.evaluation.metrics.comfort import chattering, direction_changes
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.types import Floats
 

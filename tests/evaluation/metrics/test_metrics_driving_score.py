@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vpf_sim.evaluation.metrics.driving_score import driving_score_2_0, driving_score_2_1, off_lane_share
+from vpf_sim.evaluation.metrics.collision import driving_score_2_0, driving_score_2_1, off_lane_share
 
 
 @pytest.mark.parametrize(

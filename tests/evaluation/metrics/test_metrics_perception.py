@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vpf_sim.evaluation.metrics import clearance, perception
+from vpf_sim.evaluation.metrics import collision, perception
 
 NAN = np.nan
 
@@ -32,5 +32,5 @@ def test_edge_errors() -> None:
 
 
 def test_clearance_is_none_without_objects() -> None:
-    assert clearance.min_clearance_m(np.full(4, np.inf)) is None
-    assert clearance.min_clearance_m(np.array([np.inf, 0.8, 0.5, 2.0])) == 0.5
+    assert collision.min_clearance_m(np.full(4, np.inf)) is None
+    assert collision.min_clearance_m(np.array([np.inf, 0.8, 0.5, 2.0])) == 0.5

@@ -14,7 +14,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.episode.pose_playback import PosePlayback
-from vpf_sim.evaluation.perception import poses, replay, scores, store
+from vpf_sim.evaluation.perception import replay, scores, store
 from vpf_sim.evaluation.perception.scorer import SCORED_COLUMNS, DriveEvaluation
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.sweeps.manifest import Manifest
@@ -55,7 +55,7 @@ def run(tmp_path_factory: pytest.TempPathFactory, plans: list[DrivingPlan]) -> P
 
 @pytest.fixture(scope="module")
 def drive(run: Path) -> replay.StoredDrive:
-    (drive,) = poses.stored_drives([run])
+    (drive,) = store.stored_drives([run])
     return drive
 
 
@@ -244,7 +244,7 @@ def test_the_fixed_set_is_driven_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     plan = Plan((str(write_short(tmp_path)),), ("clear",), ("pid",), "3:4")
-    monkeypatch.setattr(poses, "fixed_set", lambda: plan)
+    monkeypatch.setattr(store, "fixed_set", lambda: plan)
     monkeypatch.chdir(tmp_path)
     lines = []
     for _ in range(2):
@@ -253,24 +253,24 @@ def test_the_fixed_set_is_driven_once(
     (folder,) = (tmp_path / "runs").iterdir()
     assert lines[0][0] == f"driving the 1 drives of the fixed set once: runs/{folder.name}"
     assert lines[1] == lines[0][-1:], "the second time nothing is driven"
-    assert [drive.record.status for drive in poses.stored_drives([folder])] == ["success"]
+    assert [drive.record.status for drive in store.stored_drives([folder])] == ["success"]
 
 
 def test_a_run_without_steps_or_with_changed_scenarios_is_refused(run: Path, tmp_path: Path) -> None:
     text = (run / "manifest.json").read_text()
     (tmp_path / "manifest.json").write_text(text)
     with pytest.raises(InputError, match="expected at least one episode with steps, got none"):
-        poses.stored_drives([tmp_path])
+        store.stored_drives([tmp_path])
     (tmp_path / "episodes.jsonl").write_bytes((run / "episodes.jsonl").read_bytes())
     stored = json.loads(text)
     stored["weathers"]["rain"] = "other"
     (tmp_path / "manifest.json").write_text(json.dumps(stored))
     with pytest.raises(InputError, match=r"manifest\.json: weathers changed since the run: rain: was \"other\", is"):
-        poses.stored_drives([tmp_path])
+        store.stored_drives([tmp_path])
 
 
 def test_the_fixed_set_is_of_development_seeds_in_clear_and_rain() -> None:
-    jobs = poses.fixed_set().jobs()
+    jobs = store.fixed_set().jobs()
     assert {job.driver for job in jobs} == {"vpf"}
     assert {job.weather for job in jobs} == {"clear", "rain"}
     assert all(job.seed < 1000 for job in jobs)

@@ -12,7 +12,7 @@ from vpf_sim.cli.perception import print_differences, print_totals
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.perception import comparison, scores
 from vpf_sim.evaluation.perception.store import Record
-from vpf_sim.evaluation.truth.extents import Extent, near_end
+from vpf_sim.evaluation.truth.detections import Extent, near_end
 
 BODIES = (
     Stands("car", 40.0, LANE_M + 2.5),

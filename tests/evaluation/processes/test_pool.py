@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from systems import POSIX_ONLY
 
-from vpf_sim.evaluation.processes import pool
+from vpf_sim.evaluation import pool
 
 
 def minute(_: object) -> float:

@@ -14,7 +14,7 @@ import pytest
 from short_scenario import write_short
 
 from vpf_sim import cli
-from vpf_sim.evaluation.sweeps.json_lines import read_lines
+from vpf_sim.evaluation.sweeps.run_folder import read_lines
 
 THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS"), "1")
 

@@ -17,7 +17,7 @@ from systems import POSIX_ONLY
 from vpf_sim import cli
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.steps import Step, StepTable
-from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
+from vpf_sim.evaluation.sweeps.run_folder import JsonLines, read_lines
 
 ROOM = 200  # bytes
 FILM_ROOM = 60_000  # bytes, for tables and records, but not for a film

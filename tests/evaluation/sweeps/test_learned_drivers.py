@@ -12,7 +12,7 @@ import vpf_sim
 from vpf_sim import cli, drivers
 from vpf_sim.drivers.learned import driver as learned
 from vpf_sim.evaluation.sweeps.fingerprint import own_code
-from vpf_sim.evaluation.sweeps.json_lines import read_lines
+from vpf_sim.evaluation.sweeps.run_folder import read_lines
 
 NAME = "onnx:models/policy.onnx"
 

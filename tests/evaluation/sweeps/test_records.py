@@ -19,12 +19,10 @@ from vpf_sim.evaluation.episode.paired import PidRun, matched
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics import scoring
 from vpf_sim.evaluation.metrics.records import Timing
-from vpf_sim.evaluation.outcome import Outcome
 from vpf_sim.evaluation.scores import finite
-from vpf_sim.evaluation.steps import StepTable
-from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
+from vpf_sim.evaluation.steps import Outcome, StepTable
 from vpf_sim.evaluation.sweeps.manifest import Manifest
-from vpf_sim.evaluation.sweeps.run_folder import RunFolder, new_path
+from vpf_sim.evaluation.sweeps.run_folder import JsonLines, RunFolder, new_path, read_lines
 from vpf_sim.types import Floats
 
 JOB = Job("town04", "clear", "vpf", 7)

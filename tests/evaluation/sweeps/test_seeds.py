@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.sweeps.plan import make_plan
-from vpf_sim.evaluation.sweeps.seeds import parse_seeds, seeds_text
+from vpf_sim.evaluation.sweeps.plan import make_plan, parse_seeds, seeds_text
 
 GRID = {"scenario": ["straight"], "weather": ["clear"], "driver": ["pid"]}
 

@@ -21,9 +21,9 @@ from vpf_sim.evaluation.analysis.statistics import seeds_for_mean, seeds_for_sha
 from vpf_sim.evaluation.analysis.summary import summarize
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.records import Record, read_record
-from vpf_sim.evaluation.sweeps.json_lines import read_lines
 from vpf_sim.evaluation.sweeps.manifest import Manifest
 from vpf_sim.evaluation.sweeps.plan import Plan, make_plan, read_plan
+from vpf_sim.evaluation.sweeps.run_folder import read_lines
 from vpf_sim.evaluation.sweeps.sweep import changes, drive_and_store
 
 DRIVERS = ("pid", "neutral")

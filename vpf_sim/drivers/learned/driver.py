@@ -1,18 +1,77 @@
 """The driver that runs an ONNX policy."""
 
+from collections import deque
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 from vpf_sim.drivers.learned import manifest as manifests
-from vpf_sim.drivers.learned.inputs import PolicyInputs
-from vpf_sim.drivers.learned.manifest import Manifest
+from vpf_sim.drivers.learned.manifest import Manifest, PictureInput, StateInput
 from vpf_sim.drivers.learned.session import Session
 from vpf_sim.errors import InputError
+from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.schedule import Schedule
-from vpf_sim.types import Command, Driver, DriverSetup, Floats, Observation, Privilege
+from vpf_sim.policy_state import STATE, policy_state
+from vpf_sim.types import Command, Driver, DriverSetup, Floats, Image, Observation, Privilege, Singles
+
+
+def shrink(image: Image, config: PictureInput) -> Image:
+    """(channels of a frame, height, width) uint8: a frame cropped, in grey or RGB, and averaged to the size."""
+    height, width = image.shape[:2]
+    crop = config.crop
+    rows = slice(round(crop.top_share * height), round(crop.bottom_share * height))
+    columns = slice(round(crop.left_share * width), round(crop.right_share * width))
+    part = np.ascontiguousarray(image[rows, columns])
+    if config.colour == "grey":
+        part = grey(part)
+    small = np.asarray(cv2.resize(part, (config.width_px, config.height_px), interpolation=cv2.INTER_AREA), np.uint8)
+    return small[None] if config.colour == "grey" else np.ascontiguousarray(small.transpose(2, 0, 1))
+
+
+class PolicyInputs:
+    """Collects the inputs of one episode."""
+
+    def __init__(self, manifest: Manifest) -> None:
+        self._manifest = manifest
+        oldest = max(manifest.image.frames_ago) if manifest.image else 0
+        self._pictures: deque[Image] = deque(maxlen=oldest + 1)  # newest first
+
+    def at(self, observation: Observation, action: Floats) -> dict[str, Singles] | None:
+        """The model's inputs by name, at a decision after `action`; None where no frame has arrived yet."""
+        inputs: dict[str, Singles] = {}
+        if self._manifest.image is not None:
+            picture = self._picture(observation.image, self._manifest.image)
+            if picture is None:
+                return None
+            inputs[self._manifest.image.input] = picture
+        if self._manifest.state is not None:
+            inputs[self._manifest.state.input] = state_vector(observation, action, self._manifest.state)
+        return inputs
+
+    def _picture(self, image: Image, config: PictureInput) -> Singles | None:
+        """The stack with this frame; for frames before the first, the first stands in."""
+        if not image.size:
+            return None
+        self._pictures.appendleft(shrink(image, config))
+        oldest = len(self._pictures) - 1
+        stack = np.concatenate([self._pictures[min(ago, oldest)] for ago in config.frames_ago])
+        return normalised(stack[None], config)
+
+
+def normalised(pictures: Image, config: PictureInput) -> Singles:
+    """Pictures as the model gets them."""
+    return (pictures.astype(np.float32) - np.float32(config.mean)) / np.float32(config.deviation)
+
+
+def state_vector(observation: Observation, action: Floats, config: StateInput) -> Singles:
+    """(1, values) the chosen values of the state."""
+    values = policy_state(
+        observation.pose, observation.speed_mps, observation.yaw_rate_radps, observation.goal_m, action
+    )
+    return values[[STATE.index(name) for name in config.values]][None]
 
 
 class OnnxDriver(Driver):

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vpf_sim.evaluation.analysis.benchmark import PAPER, SCENARIOS, WEATHERS
-from vpf_sim.evaluation.metrics.accuracy import accuracy
-from vpf_sim.evaluation.metrics.path import distances
+from vpf_sim.evaluation.metrics.accuracy import accuracy, distances
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.metrics.registry import CLEARANCE, PATH_MSE
 from vpf_sim.evaluation.steps import StepTable

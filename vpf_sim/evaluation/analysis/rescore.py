@@ -13,14 +13,12 @@ from vpf_sim.evaluation.analysis.summary import summarize
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics import scoring
 from vpf_sim.evaluation.metrics.records import Record, read_record
-from vpf_sim.evaluation.outcome import Outcome
 from vpf_sim.evaluation.run_inputs import RunInputs
-from vpf_sim.evaluation.steps import StepTable
+from vpf_sim.evaluation.steps import Outcome, StepTable
 from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
-from vpf_sim.evaluation.sweeps.json_lines import read_lines
 from vpf_sim.evaluation.sweeps.manifest import MANIFEST, Manifest, read_manifest, stored_plan
 from vpf_sim.evaluation.sweeps.plan import Plan
-from vpf_sim.evaluation.sweeps.run_folder import RunFolder
+from vpf_sim.evaluation.sweeps.run_folder import RunFolder, read_lines
 
 SUMMARY = "summary.json"
 

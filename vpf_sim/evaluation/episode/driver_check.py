@@ -7,9 +7,8 @@ import numpy as np
 
 from vpf_sim import drivers, process_state, scenarios
 from vpf_sim.envs.four_lane import FourLane
-from vpf_sim.errors import InputError
+from vpf_sim.errors import InputError, cause
 from vpf_sim.evaluation.episode.episode import read, setup_for
-from vpf_sim.tracebacks import cause
 from vpf_sim.types import Driver
 
 MOST_FRAMES = 90

@@ -12,14 +12,12 @@ import numpy as np
 
 from vpf_sim import drivers, process_state
 from vpf_sim.envs.four_lane import TURNS, FourLane
-from vpf_sim.evaluation.episode.hashing import FrameHasher
-from vpf_sim.evaluation.episode.log import StepLog
+from vpf_sim.evaluation.episode.log import FrameHasher, StepLog
 from vpf_sim.evaluation.episode.paired import matched, pid_without_obstacles
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.records import Record, Timing
 from vpf_sim.evaluation.metrics.scoring import score
-from vpf_sim.evaluation.outcome import InvalidFrame, Outcome
-from vpf_sim.evaluation.steps import StepTable
+from vpf_sim.evaluation.steps import InvalidFrame, Outcome, StepTable
 from vpf_sim.timing import Stopwatch
 from vpf_sim.types import Driver, DriverSetup, Image, Observation, Plan
 

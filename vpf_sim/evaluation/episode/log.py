@@ -1,7 +1,11 @@
 """The step log of an episode: state, command and ground truth at each step."""
 
 from dataclasses import replace
+from hashlib import sha256
 from math import hypot, nan
+from queue import SimpleQueue
+from threading import Thread
+from types import TracebackType
 from typing import Any
 
 from vpf_sim.envs.rectangles import corners, nearest, solid_objects
@@ -10,7 +14,7 @@ from vpf_sim.evaluation.truth import surroundings
 from vpf_sim.evaluation.truth.perception_errors import PerceptionErrors
 from vpf_sim.planning.spacetime.motion import MotionPlan
 from vpf_sim.timing import timed
-from vpf_sim.types import Command, Observation, Perception, Plan
+from vpf_sim.types import Command, Image, Observation, Perception, Plan
 
 NO_FOE_PX = (nan, nan)  # a stationary car has no focus of expansion
 
@@ -118,3 +122,36 @@ def perceived(perception: Perception) -> dict[str, float]:
         left_m, right_m = surroundings.perceived_edges(road)
         columns |= {"seen_left_m": left_m, "seen_right_m": right_m}
     return columns
+
+
+class FrameHasher:
+    """A context manager: `add` each frame, read `hexdigest` after its end. Frames must not change."""
+
+    def __init__(self) -> None:
+        self._digest = sha256()
+        self._frames = 0
+        self._queue: SimpleQueue[Image | None] = SimpleQueue()
+        self._thread = Thread(target=self._work, name="frame hasher", daemon=True)
+
+    def __enter__(self) -> "FrameHasher":
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._queue.put(None)
+        self._thread.join()
+
+    def add(self, frame: Image) -> None:
+        """Queue a frame; the thread reads it later."""
+        self._frames += 1
+        self._queue.put(frame)
+
+    def hexdigest(self) -> str | None:
+        """The hash; None without frames."""
+        return self._digest.hexdigest() if self._frames else None
+
+    def _work(self) -> None:
+        while (frame := self._queue.get()) is not None:
+            self._digest.update(frame.tobytes() if not frame.flags.c_contiguous else frame.data)

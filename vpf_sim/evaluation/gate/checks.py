@@ -12,7 +12,7 @@ from vpf_sim import drivers, system
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.evaluation.analysis.rows import Cell
 from vpf_sim.evaluation.gate.rules import Rule
-from vpf_sim.shell import command
+from vpf_sim.system import command
 
 Outcome = Literal["passed", "failed", "skipped"]
 MOST_SEEDS = 10  # of a printed command; JSON and JUnit have all

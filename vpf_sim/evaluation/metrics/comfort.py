@@ -3,6 +3,15 @@
 Source: nuplan-devkit, planning/metrics/utils/state_extractors.py and evaluation_metrics/common/ego_*.py: states at
 10 Hz; accelerations smoothed by Savitzky-Golay (window 8, order 2); jerks as its derivative of those (window 15, order
 2); yaw rate and yaw acceleration as derivatives of the unwrapped heading (window 5; order 2 and 3).
+
+Chattering of the commands, the known weakness of sliding mode control.
+
+For a signal u_k, k = 1 .. n, commanded over T seconds in [-1, 1], with d_k = u_k+1 - u_k:
+
+    direction_changes_per_s   sign changes of d / T; pauses and steps of rounding size do not count
+    total_variation_per_s     sum |d| / T, 1/s
+
+and the rate |d| / dt, rad/s, of the commanded steering angle, u times the limit of 40 degrees.
 """
 
 from typing import NamedTuple
@@ -10,16 +19,18 @@ from typing import NamedTuple
 import numpy as np
 from scipy.signal import savgol_filter
 
-from vpf_sim.evaluation.metrics.clearance import min_ttc_s
+from vpf_sim.evaluation.metrics.collision import min_ttc_s
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.geometry import unwrapped
-from vpf_sim.types import Floats
+from vpf_sim.types import Floats, VehicleModel
 
 RATE_HZ = 10.0
 ACCELERATION_WINDOW = 8
 JERK_WINDOW = 15
 HEADING_WINDOW = 5
 TTC_BOUND_S = 0.95
+ROUNDING = 1e-6
+SIGNALS = ("throttle", "steering")
 
 
 class Bound(NamedTuple):
@@ -104,3 +115,33 @@ def _derivative(signal: Floats, window: int, order: int, times: int) -> Floats:
 def _against_bound(signal: Floats, bound: Bound) -> dict[str, float | bool]:
     low, high = float(np.min(signal)), float(np.max(signal))
     return {"min": low, "max": high, "within": bound.low <= low and high <= bound.high}
+
+
+def chattering(table: StepTable) -> dict[str, object] | None:
+    """Both signals' direction changes and total variation, and the steering rate's 95th percentile and maximum.
+
+    None for fewer than two commands.
+    """
+    time_s = table.time_s[: len(table)]
+    if len(time_s) < 2:
+        return None
+    signals = {name: getattr(table, name)[: len(table)] for name in SIGNALS}
+    duration_s = float(time_s[-1] - time_s[0])
+    rates = np.abs(np.diff(signals["steering"])) / np.diff(time_s) * VehicleModel().steering_limit_rad
+    return {
+        **{
+            name: {
+                "direction_changes_per_s": direction_changes(signal) / duration_s,
+                "total_variation_per_s": float(np.sum(np.abs(np.diff(signal)))) / duration_s,
+            }
+            for name, signal in signals.items()
+        },
+        "steering_rate_radps": {"p95": float(np.percentile(rates, 95.0)), "max": float(np.max(rates))},
+    }
+
+
+def direction_changes(signal: Floats) -> int:
+    """How often an (n,) signal changes between rising and falling."""
+    steps = np.diff(signal)
+    directions = np.sign(steps[np.abs(steps) > ROUNDING])
+    return int(np.count_nonzero(np.diff(directions)))

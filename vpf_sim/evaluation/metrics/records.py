@@ -14,8 +14,8 @@ from vpf_sim.errors import InputError, wrong_value
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.metric import Metric
 from vpf_sim.evaluation.metrics.registry import MEASURES, TABLES
-from vpf_sim.evaluation.outcome import InvalidFrame
 from vpf_sim.evaluation.scores import Json, Number, flat, nested, numbers
+from vpf_sim.evaluation.steps import InvalidFrame
 
 
 class Schema(BaseModel):

@@ -5,10 +5,9 @@ A new metric is one function of a driven episode, and one `Metric` in METRICS.
 
 import numpy as np
 
-from vpf_sim.evaluation.metrics import chattering, clearance, collision, comfort, driving_score, path, perception
+from vpf_sim.evaluation.metrics import accuracy, collision, comfort, perception
 from vpf_sim.evaluation.metrics.accuracy import protocol
-from vpf_sim.evaluation.metrics.driven import Driven
-from vpf_sim.evaluation.metrics.metric import Measure, Metric
+from vpf_sim.evaluation.metrics.metric import Driven, Measure, Metric
 from vpf_sim.evaluation.steps import StepTable
 
 
@@ -17,7 +16,7 @@ def _parts(driven: Driven) -> dict[str, float | None]:
     passing = driven.table.passing > 0.0
     parts = {"clear_of_obstacles": ~passing, "passing": passing}
     positions_m = driven.table.positions_m
-    return {part: path.path_mse(positions_m[rows], driven.reference) for part, rows in parts.items()}
+    return {part: accuracy.path_mse(positions_m[rows], driven.reference) for part, rows in parts.items()}
 
 
 def _accuracy(driven: Driven) -> dict[str, object]:
@@ -45,7 +44,7 @@ def _perception(driven: Driven) -> dict[str, object]:
 
 
 def _off_lane(table: StepTable) -> float:
-    return driving_score.off_lane_share(table.route_m, table.outside)
+    return collision.off_lane_share(table.route_m, table.outside)
 
 
 def _at_fault(driven: Driven) -> int:
@@ -59,11 +58,11 @@ def collision_type(driven: Driven) -> str | None:
 
 
 def _score_2_0(driven: Driven) -> float:
-    return driving_score.driving_score_2_0(driven.completion, driven.hits, _off_lane(driven.table))
+    return collision.driving_score_2_0(driven.completion, driven.hits, _off_lane(driven.table))
 
 
 def _score_2_1(driven: Driven) -> float:
-    return driving_score.driving_score_2_1(driven.completion, driven.hits, _off_lane(driven.table))
+    return collision.driving_score_2_1(driven.completion, driven.hits, _off_lane(driven.table))
 
 
 SUCCESS = Metric(
@@ -102,7 +101,7 @@ COMPLETION = Metric(
 )
 PATH_MSE = Metric(
     "path_mse_m2",
-    lambda driven: path.path_mse(driven.table.positions_m, driven.reference),
+    lambda driven: accuracy.path_mse(driven.table.positions_m, driven.reference),
     title="path MSE",
     unit="m²",
     digits=3,
@@ -158,7 +157,7 @@ DRIVING_SCORE = Metric(
 )
 CLEARANCE = Metric(
     "min_clearance_m",
-    lambda driven: clearance.min_clearance_m(driven.table.clearance_m),
+    lambda driven: collision.min_clearance_m(driven.table.clearance_m),
     title="least clearance",
     unit="m",
     rule="clearance_m",
@@ -339,7 +338,7 @@ TABLES = (  # of scores
     Measure("path_mse_parts_m2", _parts),
     Measure("accuracy", _accuracy),
     Measure("comfort", lambda driven: comfort.comfort(driven.table), "nothing"),
-    Measure("chattering", lambda driven: chattering.chattering(driven.table)),
+    Measure("chattering", lambda driven: comfort.chattering(driven.table)),
     Measure("perception", _perception),
 )
 MEASURES: tuple[Measure, ...] = (*(metric for metric in METRICS if metric.of), *TABLES)

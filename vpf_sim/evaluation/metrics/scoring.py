@@ -3,11 +3,11 @@
 from hashlib import sha256
 
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics.driven import Driven
+from vpf_sim.evaluation.metrics.metric import Driven
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.metrics.registry import MEASURES, collision_type
-from vpf_sim.evaluation.outcome import InvalidFrame, Outcome
 from vpf_sim.evaluation.scores import finite, flat, numbers
+from vpf_sim.evaluation.steps import InvalidFrame, Outcome
 from vpf_sim.types import Floats
 
 

@@ -15,12 +15,11 @@ import numpy as np
 
 from vpf_sim import drivers
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation import steps
+from vpf_sim.evaluation import pool, steps
 from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.evaluation.episode.pose_playback import TOLERANCE, PosePlayback
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.perception.scorer import DriveEvaluation, PerceptionScorer
-from vpf_sim.evaluation.processes import pool
 from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.types import Driver, Observation, Perception

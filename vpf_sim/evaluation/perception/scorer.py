@@ -9,7 +9,7 @@ import numpy as np
 from vpf_sim.evaluation.episode.log import NO_FOE_PX, perceived
 from vpf_sim.evaluation.metrics.perception import KINDS
 from vpf_sim.evaluation.steps import StepTable
-from vpf_sim.evaluation.truth import extents, surroundings
+from vpf_sim.evaluation.truth import detections, surroundings
 from vpf_sim.evaluation.truth.detections import Detection, DetectionScorer
 from vpf_sim.types import Floats, Perception
 
@@ -91,7 +91,7 @@ class PerceptionScorer:
     def _truth(self, detection: Detection, perception: Perception, ego: Any) -> tuple[float, ...]:
         if not detection.owners:
             return 0.0, float(detection.is_new), nan, nan, nan, nan, nan
-        errors = extents.errors(detection, self._detection_scorer.detections, perception.obstacles, ego)
+        errors = detections.errors(detection, self._detection_scorer.detections, perception.obstacles, ego)
         return 1.0, 0.0, float(KINDS.index(detection.owners[0].kind)), *errors
 
     def detections_table(self) -> Floats:

@@ -17,16 +17,15 @@ from urllib.parse import urlsplit
 from uuid import uuid4
 
 from vpf_sim.errors import InputError, option
-from vpf_sim.evaluation import steps
+from vpf_sim.evaluation import pool, steps
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.processes import pool
-from vpf_sim.evaluation.processes.pool import ATTEMPTS, Done
-from vpf_sim.evaluation.processes.threads import limit_opencv
+from vpf_sim.evaluation.pool import ATTEMPTS, Done
 from vpf_sim.evaluation.sweeps import sweep
 from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
 from vpf_sim.evaluation.sweeps.manifest import Manifest, change
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import RunFolder
+from vpf_sim.system import limit_opencv
 
 MISSING = "expected Dask, which is not installed: pip install 'vpf_sim[cluster]'"
 LOGGING = ("distributed", "asyncio", "tornado")

@@ -1,5 +1,6 @@
 """The run folder: manifest, records, timing and steps; a run can be resumed after any crash."""
 
+import errno
 import json
 import os
 import shutil
@@ -14,14 +15,71 @@ from vpf_sim import system
 from vpf_sim.errors import InputError, option
 from vpf_sim.evaluation.metrics.records import Record, Timing, checked, read_record
 from vpf_sim.evaluation.run_inputs import INPUTS, RunInputs, contents
+from vpf_sim.evaluation.scores import Json
 from vpf_sim.evaluation.sweeps.fingerprint import digest
-from vpf_sim.evaluation.sweeps.json_lines import JsonLines, read_lines
 from vpf_sim.evaluation.sweeps.manifest import HASHED, MANIFEST, Manifest, change, read_manifest
-from vpf_sim.files import DRAFT, write_text
+from vpf_sim.files import DRAFT, write_bytes, write_text
 
 LINES = ("episodes.jsonl", "timing.jsonl")
 OUTPUTS = ("steps", "errors")  # folders
 LATEST = "latest"  # in the place of a folder's name
+FLAGS = os.O_RDWR | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0)  # Windows would write "\r\n"
+
+
+class JsonLines:
+    """Appends rows to a file; opening it drops an incomplete last line. The caller locks the file's folder."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._file = os.open(path, FLAGS, 0o644)
+        self._is_open = True
+        stored = path.read_bytes()
+        os.ftruncate(self._file, stored.rfind(b"\n") + 1)
+
+    def append(self, row: Json) -> None:
+        """Append one line with sorted keys; on OSError nothing is appended."""
+        line = _line(row)
+        size = os.fstat(self._file).st_size
+        try:
+            if os.write(self._file, line) != len(line):
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            os.fsync(self._file)
+        except OSError as error:
+            os.ftruncate(self._file, size)
+            raise OSError(error.errno, error.strerror, str(self._path)) from None
+
+    def rewrite(self, rows: Iterable[Json]) -> None:
+        """Replace all rows atomically; no row can be appended afterwards."""
+        self.close()  # Windows does not replace an open file
+        write_bytes(self._path, b"".join(map(_line, rows)))
+
+    def close(self) -> None:
+        """Close the file; a second call has no effect."""
+        if self._is_open:
+            self._is_open = False
+            os.close(self._file)
+
+
+def read_lines(path: Path) -> list[Json]:
+    """The rows of a file, empty if it is missing; an incomplete last line is dropped, other faults are InputErrors."""
+    if not path.exists():
+        return []
+    whole, _, _ = path.read_bytes().rpartition(b"\n")
+    return [_row(path, number, line) for number, line in enumerate(whole.splitlines(), start=1)]
+
+
+def _line(row: Json) -> bytes:
+    return json.dumps(row, sort_keys=True, allow_nan=False).encode() + b"\n"
+
+
+def _row(path: Path, number: int, line: bytes) -> Json:
+    try:
+        row = json.loads(line)
+    except (ValueError, RecursionError):
+        row = None
+    if not isinstance(row, dict):
+        raise InputError(f"{path}: line {number}: expected a JSON object, got {line[:40]!r}")
+    return row
 
 
 def new_path(command: str) -> Path:

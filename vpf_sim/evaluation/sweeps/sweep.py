@@ -11,11 +11,10 @@ from typing import NamedTuple
 
 from vpf_sim import scenarios
 from vpf_sim.errors import InputError, option
-from vpf_sim.evaluation import steps
+from vpf_sim.evaluation import pool, steps
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics import scoring
 from vpf_sim.evaluation.metrics.records import Record, Timing
-from vpf_sim.evaluation.processes import pool
 from vpf_sim.evaluation.sweeps.fingerprint import fingerprint
 from vpf_sim.evaluation.sweeps.manifest import HASHED, Manifest
 from vpf_sim.evaluation.sweeps.plan import Plan

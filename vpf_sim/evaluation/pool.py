@@ -20,7 +20,7 @@ from types import ModuleType
 from typing import Any, Generic, TypeVar
 
 from vpf_sim.errors import InputError, option
-from vpf_sim.evaluation.processes.threads import limit_opencv, limited_environment
+from vpf_sim.system import limit_opencv, limited_environment
 
 
 @contextmanager

@@ -1,1 +1,0 @@
-"""Single-threaded worker processes with timeouts and retries."""
