@@ -58,7 +58,7 @@ _MODULES = {
     "Rig": "envs.camera.rig",
     "Run": "api.run",
     "drive": "api.drive",
-    "export": "api.export",
+    "export": "api.report",
     "report": "api.report",
     "sweep": "api.sweep",
 }
