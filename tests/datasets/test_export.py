@@ -10,7 +10,7 @@ from driven_short import STOPS_AT, Driven
 
 import vpf_sim
 from vpf_sim import cli
-from vpf_sim.datasets import export, lerobot, minari_format
+from vpf_sim.datasets import export, formats, lerobot, minari_format
 from vpf_sim.datasets.datasheet import spans
 from vpf_sim.datasets.episode import Contents
 from vpf_sim.errors import InputError
@@ -159,7 +159,7 @@ def test_a_draft_of_another_process_is_not_touched(run: Path) -> None:
     ids=["lerobot", "minari"],
 )
 def test_a_missing_library_is_named_with_its_remedy(
-    form: export.Format, library: str, monkeypatch: pytest.MonkeyPatch
+    form: formats.Format, library: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, library, None)
     with pytest.raises(InputError) as caught:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from vpf_sim.evaluation.metrics.accuracy import Accuracy, accuracy
+from vpf_sim.evaluation.metrics.tracking import Accuracy, accuracy
 from vpf_sim.replay.frame_table import FrameTable
 from vpf_sim.replay.obstacles_ahead import closing_mps, persistent, true_ttc_s
 from vpf_sim.replay.recording import IMAGES, Origin, Recording

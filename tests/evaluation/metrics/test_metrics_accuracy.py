@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vpf_sim.evaluation.metrics.accuracy import accuracy, at_distance, protocol
+from vpf_sim.evaluation.metrics.tracking import accuracy, at_distance, protocol
 
 ZEROS = np.zeros(1000)
 SINE = 0.5 * np.sin(2.0 * np.pi * np.arange(1000) / 1000.0)

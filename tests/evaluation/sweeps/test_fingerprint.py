@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from vpf_sim.evaluation.sweeps import manifest as module
+from vpf_sim.evaluation.sweeps import fingerprint as module
 from vpf_sim.evaluation.sweeps.fingerprint import PACKAGES, fingerprint, hash_of_files, own_code, source
 
 ROOT = Path(__file__).parents[3]

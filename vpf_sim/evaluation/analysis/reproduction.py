@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from vpf_sim.evaluation.analysis.benchmark import PAPER, SCENARIOS, WEATHERS
-from vpf_sim.evaluation.metrics.accuracy import accuracy, distances
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.metrics.registry import CLEARANCE, PATH_MSE
+from vpf_sim.evaluation.metrics.tracking import accuracy, distances
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.types import Floats

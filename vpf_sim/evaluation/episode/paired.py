@@ -10,7 +10,7 @@ import numpy as np
 
 from vpf_sim import drivers
 from vpf_sim.envs.four_lane import FourLane
-from vpf_sim.evaluation.metrics.accuracy import at_distance
+from vpf_sim.evaluation.metrics.tracking import at_distance
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.scenarios import DrawnScenario
 from vpf_sim.types import DriverSetup, Floats, Image, Observation

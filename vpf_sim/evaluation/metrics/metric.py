@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
-from vpf_sim.evaluation.metrics import accuracy
+from vpf_sim.evaluation.metrics import tracking
 from vpf_sim.evaluation.scores import Number
 from vpf_sim.evaluation.steps import Outcome, StepTable
 from vpf_sim.types import Floats
@@ -33,13 +33,13 @@ class Driven:
     @cached_property
     def reference(self) -> Floats:
         """(N, 2) the route up to the goal."""
-        return accuracy.shorten(self.route, self.route_length_m)
+        return tracking.shorten(self.route, self.route_length_m)
 
     @cached_property
     def completion(self) -> float:
         """Share of the route that was driven, 0 to 1."""
         is_whole = self.outcome.status == "success"
-        return 1.0 if is_whole else accuracy.completion(self.table.route_m, self.route_length_m)
+        return 1.0 if is_whole else tracking.completion(self.table.route_m, self.route_length_m)
 
 
 @dataclass(frozen=True, slots=True)

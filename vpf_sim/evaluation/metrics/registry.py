@@ -5,9 +5,9 @@ A new metric is one function of a driven episode, and one `Metric` in METRICS.
 
 import numpy as np
 
-from vpf_sim.evaluation.metrics import accuracy, collision, comfort, perception
-from vpf_sim.evaluation.metrics.accuracy import protocol
+from vpf_sim.evaluation.metrics import collision, comfort, perception, tracking
 from vpf_sim.evaluation.metrics.metric import Driven, Measure, Metric
+from vpf_sim.evaluation.metrics.tracking import protocol
 from vpf_sim.evaluation.steps import StepTable
 
 
@@ -16,7 +16,7 @@ def _parts(driven: Driven) -> dict[str, float | None]:
     passing = driven.table.passing > 0.0
     parts = {"clear_of_obstacles": ~passing, "passing": passing}
     positions_m = driven.table.positions_m
-    return {part: accuracy.path_mse(positions_m[rows], driven.reference) for part, rows in parts.items()}
+    return {part: tracking.path_mse(positions_m[rows], driven.reference) for part, rows in parts.items()}
 
 
 def _accuracy(driven: Driven) -> dict[str, object]:
@@ -101,7 +101,7 @@ COMPLETION = Metric(
 )
 PATH_MSE = Metric(
     "path_mse_m2",
-    lambda driven: accuracy.path_mse(driven.table.positions_m, driven.reference),
+    lambda driven: tracking.path_mse(driven.table.positions_m, driven.reference),
     title="path MSE",
     unit="m²",
     digits=3,

@@ -1,4 +1,6 @@
-"""The paper's accuracy of throttle and steering against the PID, by three definitions.
+"""How closely a drive follows its references: the lane's centre, and the PID's commands.
+
+The paper's accuracy of throttle and steering against the PID, by three definitions.
 
 The paper gives no formula for its "prediction accuracy (%) with respect to PID", and no single definition yields its
 pairs of numbers. Each is a share (1 is best), for a signal u and the PID's w, d = u - w:
