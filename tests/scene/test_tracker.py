@@ -37,7 +37,7 @@ def detected(states: list[np.ndarray], random: np.random.Generator) -> Detection
     count = len(states)
     noisy = np.array(states) + SIGMAS * random.standard_normal((count, 4))
     same = np.ones(count)
-    return Detections(noisy, np.tile(np.diag(SIGMAS**2), (count, 1, 1)), 4.5 * same, 1.8 * same, GAIN * same)
+    return Detections(noisy, np.tile(np.diag(SIGMAS**2), (count, 1, 1)), 4.5 * same, 1.8 * same, GAIN * same, same)
 
 
 def track(

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 from vpf_sim.perception.egomotion.focus_of_expansion import Derotated
 from vpf_sim.perception.egomotion.triangulation import Triangulation
+from vpf_sim.perception.obstacles.crossing import Crossers, nobody
 from vpf_sim.perception.obstacles.prediction import none
 from vpf_sim.types import (
     UNLIMITED,
@@ -50,6 +51,7 @@ class FrameState:
     moving: Obstacles | None = None  # moving obstacles before this frame's measurement
     points: Triangulation = field(init=False)
     on_moving: Bools | None = None  # (N,) points of the flow on moving obstacles
+    crossers: Crossers = field(default_factory=nobody)
     detected: Obstacles = field(init=False)  # static ones
     obstacles: Obstacles = field(default_factory=none)  # feedback: they hide the road in the next frame
     low_range_m: LowObstacleRange = UNLIMITED

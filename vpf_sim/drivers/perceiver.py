@@ -115,6 +115,11 @@ class Perceiver:
         return self._selection.needs_next_frame
 
     @property
+    def frame(self) -> FrameState:
+        """What the stages made of the last frame that was processed."""
+        return self._state
+
+    @property
     def has_missed(self) -> bool:
         """Whether the last frame that it was to process was none, or not a valid one."""
         return self._selection.has_missed

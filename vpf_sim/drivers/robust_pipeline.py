@@ -8,6 +8,7 @@ from vpf_sim.perception.contrast import contrast
 from vpf_sim.perception.egomotion.keyframes import KeyframeBuffer
 from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.obstacles.config import StaticObstacleConfig
+from vpf_sim.perception.obstacles.crossing import Crossers, CrossingDetector, nobody
 from vpf_sim.perception.obstacles.moving.tracker import MovingObstacleTracker
 from vpf_sim.perception.obstacles.static_tracker import StaticObstacleTracker
 from vpf_sim.pipeline import Pipeline, stage
@@ -44,6 +45,11 @@ def robust_pipeline(
         stage("planar_parallax", its.compare_road, "contrast pose road moving observation"),
         stage("triangulation", its.triangulate, "steady_flow", "points"),
         stage("moving_obstacles", its.track_moving, "steady_flow points road observation", "on_moving"),
+        *(
+            [stage("crossing", its.find_crossers, "steady_flow on_moving", "crossers on_moving")]
+            if variant.crossing
+            else []
+        ),
         stage("track_refinement", its.refine, "flow steady_flow points road", "points"),
         stage("static_obstacles", its.track_static, "steady_flow road observation points on_moving", "detected"),
         stage("all_obstacles", its.join_moving, "steady_flow observation detected", "obstacles"),
@@ -66,6 +72,9 @@ class ObstacleStages:
         moving = variant.moving_obstacles
         self._moving = (
             MovingObstacleTracker(camera, moving, rate_hz, config.window_px, config.noise) if moving else None
+        )
+        self._crossing = (
+            CrossingDetector(camera, variant.crossing, config.window_px, config.noise) if variant.crossing else None
         )
         self._keyframes = _keyframes(camera, variant, config, rate_hz)
 
@@ -109,6 +118,13 @@ class ObstacleStages:
         if self._moving is None:
             return None
         return self._moving.update(steady, points, road, observation.speed_mps, observation.time_s)
+
+    def find_crossers(self, steady: Flow, on_moving: Bools | None) -> tuple[Crossers, Bools | None]:
+        """Actors that cross, and (N,) points of the flow on anything that moves; none beneath the wiper."""
+        if self._crossing is None or self._trackers.flow.is_swept:
+            return nobody(), on_moving
+        crossers, near = self._crossing.find(steady)
+        return crossers, near if on_moving is None else near | on_moving
 
     def refine(self, flow: Flow, steady: Flow, points: Triangulation, road: RoadEdges) -> Triangulation:
         """The points, those above the road matched again with the frame of their first observation."""

@@ -3,7 +3,7 @@
 from vpf_sim.timing import call
 from vpf_sim.types import Command, Driver, DriverSetup, Observation, Perception, Plan, Privilege, Reference
 
-VARIANT = "robust"  # of the perception
+VARIANT = "scene"  # of the perception
 LOST_ROAD_MPS, LOST_ROAD_M = 1.0, 12.0  # where the road is not seen: this fast, this far
 
 
@@ -24,7 +24,7 @@ class SceneDriver(Driver):
         self._perceiver = Perceiver(setup, self._variant)
         self._plausibility = Plausibility(self._variant.plausibility, setup.vehicle)
         self._odometry = Odometry(self._variant.odometry, setup.vehicle) if self._variant.odometry else None
-        self._scene = CameraScene(self._variant.road_edges.object_sizes)
+        self._scene = CameraScene(setup.camera.forward_m, self._variant.road_edges.object_sizes)
         self._follower = MotionFollower(setup)
         self._lost_m = 0.0  # way since the road was seen
 
@@ -32,7 +32,7 @@ class SceneDriver(Driver):
         observation = self._measured(observation)
         perception = self._perceiver.perceive(observation)
         if self._perceiver.has_processed:
-            call("tracking", self._scene.observe, perception, observation)
+            call("tracking", self._scene.observe, perception, observation, self._perceiver.frame.crossers)
         if self._follower.is_due(observation.time_s):
             call("plan", self._replan, perception, observation)
         return call("control", self._follow, perception, observation)

@@ -16,6 +16,7 @@ from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.perception.egomotion.config import ExpansionConfig, FlowConfig, OdometryConfig, PitchConfig
 from vpf_sim.perception.frame_gate import FrameGateConfig
 from vpf_sim.perception.obstacles.config import StaticObstacleConfig
+from vpf_sim.perception.obstacles.crossing import CrossingConfig
 from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
 from vpf_sim.perception.paper.config import ContactConfig, ObstacleMapConfig
 from vpf_sim.perception.plausible import PlausibilityConfig
@@ -67,6 +68,7 @@ class Variant:
     )
     static_obstacles: StaticObstacleConfig | None = setting("Static obstacle tracker.", default=None)
     moving_obstacles: MovingObstacleConfig | None = setting("Moving-object tracker.", default=None)
+    crossing: CrossingConfig | None = setting("Actors that cross, for `vpf-scene`.", default=None)
     controller: ControllerConfig | None = setting("Changes of the gains.", default=None)
     paper_planner: PaperPlannerConfig | None = setting("The paper's potential fields.", default=None)
     lane_planner: LanePlannerConfig | None = setting("Lateral cost, path and speed in the lane.", default=None)
@@ -74,7 +76,7 @@ class Variant:
     def __post_init__(self) -> None:
         if (self.paper_planner is None) == (self.lane_planner is None):
             raise ValueError("expected exactly one of [paper_planner] and [lane_planner]")
-        for key in "lane_planner", "moving_obstacles":
+        for key in "lane_planner", "moving_obstacles", "crossing":
             if getattr(self, key) is not None and self.static_obstacles is None:
                 raise ValueError(f"[{key}] needs [static_obstacles]")
 

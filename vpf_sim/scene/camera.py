@@ -9,18 +9,19 @@ from math import cos, hypot, sin
 import numpy as np
 
 from vpf_sim.perception.object_sizes import ObjectSizes
-from vpf_sim.scene.measurements import of_obstacles
+from vpf_sim.perception.obstacles.crossing import Crossers
+from vpf_sim.scene.measurements import of_crossers, of_obstacles
 from vpf_sim.scene.road import Road
 from vpf_sim.scene.scene import EgoState, Scene
 from vpf_sim.scene.tracker import SceneTracker, TrackTable
 from vpf_sim.scene.tracks import Tracks
-from vpf_sim.types import Floats, Observation, Perception, RoadEdges
+from vpf_sim.types import Camera, Floats, Observation, Perception, RoadEdges
 
 STEP_M = 0.5  # between the stations of the tables
 BEHIND_M, BENDS_M, AHEAD_M = 40.0, 40.0, 200.0  # of the tables; beyond BENDS_M the road goes straight on
 MOST_BEND = 0.8  # of 1 - d * curvature that the own place may take away
 LOOK_M, LOOK_S = 0.5, 0.5  # way or time after which an observation is independent of the last
-IN_SIGHT_PER_S, OUT_OF_SIGHT_PER_S = 4.0, 0.1  # log-odds that a track loses while it is not detected
+OUT_OF_SIGHT = 0.02  # of what a track loses where it should be detected
 SIGHT_M, BEARING = (3.0, 20.0), 0.8  # where a track is expected to be detected; tangent of its bearing
 STANDING_MPS, STANDING_SIGMAS = 0.4, 2.0  # a track whose velocity is not surely more stands
 CROSSING = 1.0  # across over along, from which a track shows its side
@@ -29,14 +30,15 @@ CROSSING = 1.0  # across over along, from which a track shows its side
 class CameraScene:
     """Keeps road coordinates and tracks of one episode."""
 
-    def __init__(self, sizes: ObjectSizes | None = None) -> None:
-        self._sizes = sizes or ObjectSizes()
+    def __init__(self, camera_m: float = Camera().forward_m, sizes: ObjectSizes | None = None) -> None:
+        """The camera is `camera_m` ahead of the pose."""
+        self._camera_m, self._sizes = camera_m, sizes or ObjectSizes()
         self._tracker = SceneTracker()
         self._last: Observation | None = None  # of the last frame
         self._s_m = 0.0
         self.road: Road | None = None
 
-    def observe(self, perception: Perception, observation: Observation) -> None:
+    def observe(self, perception: Perception, observation: Observation, crossers: Crossers | None = None) -> None:
         """Bring road and tracks to a processed frame."""
         s, _ = self.place(observation)
         before, self.road = self.road, road_of(perception.road, observation.pose, s)
@@ -48,8 +50,10 @@ class CameraScene:
             self._tracker.predict(dt_s)
         self._last = observation
         found = of_obstacles(perception.obstacles, observation.pose, self.road, s, self._sizes)
+        if crossers is not None and len(crossers):
+            found = found.joined(of_crossers(crossers, self._camera_m, observation.pose, self.road, s))
         fresh = min(max(way_m / LOOK_M, dt_s / LOOK_S), 1.0)
-        self._tracker.update(found, fresh, self._miss(observation, dt_s), s)
+        self._tracker.update(found, fresh, dt_s * self._visible(observation), s)
 
     def scene(self, observation: Observation, speed_reference_mps: float) -> Scene:
         """The scene at an observation, on the road as last perceived."""
@@ -68,8 +72,8 @@ class CameraScene:
         self._s_m = float(s[0])
         return self._s_m, float(d[0])
 
-    def _miss(self, observation: Observation, dt_s: float) -> Floats:
-        """(K,) log-odds that the tracks lose in `dt_s` if they are not detected."""
+    def _visible(self, observation: Observation) -> Floats:
+        """(K,) 1 for tracks that should be detected, a little for those that cannot be."""
         assert self.road is not None
         state = self._tracker.table.state
         x, y, _ = self.road.world(state[:, 0], state[:, 1])
@@ -77,7 +81,7 @@ class CameraScene:
         cosine, sine = cos(observation.yaw_rad), sin(observation.yaw_rad)
         forward, right = cosine * dx + sine * dy, cosine * dy - sine * dx
         visible = (forward > SIGHT_M[0]) & (forward < SIGHT_M[1]) & (np.abs(right) < BEARING * forward)
-        return np.where(visible, IN_SIGHT_PER_S, OUT_OF_SIGHT_PER_S) * dt_s
+        return np.where(visible, 1.0, OUT_OF_SIGHT)
 
 
 def road_of(edges: RoadEdges, pose: Floats, s_m: float) -> Road:

@@ -5,6 +5,7 @@ from math import cos, sin
 import numpy as np
 
 from vpf_sim.perception.object_sizes import ObjectSizes
+from vpf_sim.perception.obstacles.crossing import Crossers
 from vpf_sim.scene.road import Road
 from vpf_sim.scene.tracker import Detections
 from vpf_sim.types import Floats, Obstacles
@@ -13,14 +14,17 @@ ALONG_SIGMA_M, ACROSS_SIGMA_M, MOVING_ACROSS_SIGMA_M = 0.2, 0.12, 0.25  # at lea
 STANDING_SIGMA_MPS, MOVING_SIGMA_MPS = 0.05, 0.5
 CONFIRMED = 4.0  # log-odds that an obstacle adds which perception has confirmed by itself
 
+CROSSER = 0.7  # the same of a cluster of points in one frame
+STATIC_LOSS_PER_S, MOVING_LOSS_PER_S, CROSSER_LOSS_PER_S = 20.0, 4.0, 2.5  # log-odds, while not detected in sight
+BESIDE_M = 3.0  # from the edges, where actors that cross may come from
+NARROWEST_M, DEEP_M = 0.6, 0.6  # of what crosses: its width at least, and its size along the road
+CROSSER_SIGMA_M, CROSSER_SIGMA_MPS = 0.3, (1.0, 0.3)  # across; along and across, at least
+
 
 def of_obstacles(obstacles: Obstacles, pose: Floats, road: Road, s_m: float, sizes: ObjectSizes) -> Detections:
     """Obstacles in the axes of a car at a pose (x m, y m, yaw rad), `s_m` along the road; lengths by class."""
     count = len(obstacles)
-    cosine, sine = cos(pose[2]), sin(pose[2])
-    x = pose[0] + cosine * obstacles.forward_m - sine * obstacles.middle_m
-    y = pose[1] + sine * obstacles.forward_m + cosine * obstacles.middle_m
-    s, d = road.place_at(x, y, s_m + obstacles.forward_m)
+    s, d = _on_road(obstacles.forward_m, obstacles.middle_m, pose, road, s_m)
     moving = obstacles.speed_mps != 0.0
     sigma = np.empty((count, 4))
     sigma[:, 0] = np.clip(obstacles.sigma_m, ALONG_SIGMA_M, 2.0)
@@ -29,4 +33,40 @@ def of_obstacles(obstacles: Obstacles, pose: Floats, road: Road, s_m: float, siz
     covariance = np.eye(4) * (sigma**2)[:, None, :]
     state = np.stack([s, d, obstacles.speed_mps, np.zeros(count)], axis=1)
     width = obstacles.width_m
-    return Detections(state, covariance, sizes.lengths_m(width), width, np.full(count, CONFIRMED))
+    loss = np.where(moving, MOVING_LOSS_PER_S, STATIC_LOSS_PER_S)
+    return Detections(state, covariance, sizes.lengths_m(width), width, np.full(count, CONFIRMED), loss)
+
+
+def of_crossers(crossers: Crossers, camera_m: float, pose: Floats, road: Road, s_m: float) -> Detections:
+    """Actors that cross, of a camera `camera_m` ahead of a pose; those far beside the road are left out."""
+    forward = camera_m + crossers.depth_m
+    s, d = _on_road(forward, crossers.middle_m, pose, road, s_m)
+    here = road.at(s)
+    turn = float(pose[2]) - here.heading_rad
+    along, across = -np.sin(turn) * crossers.speed_mps, np.cos(turn) * crossers.speed_mps
+    sigma = np.empty((len(crossers), 4))
+    sigma[:, 0] = crossers.depth_sigma_m
+    sigma[:, 1] = np.hypot(CROSSER_SIGMA_M, np.abs(crossers.middle_m) / crossers.depth_m * crossers.depth_sigma_m)
+    relative = crossers.depth_sigma_m / crossers.depth_m  # a farther actor is a faster one
+    sigma[:, 2] = CROSSER_SIGMA_MPS[0]
+    sigma[:, 3] = np.hypot(CROSSER_SIGMA_MPS[1], np.hypot(crossers.speed_sigma_mps, relative * crossers.speed_mps))
+    covariance = np.eye(4) * (sigma**2)[:, None, :]
+    near = (d > here.left_m - BESIDE_M) & (d < here.right_m + BESIDE_M)
+    width, same = np.maximum(crossers.width_m, NARROWEST_M), np.ones(len(crossers))
+    found = Detections(
+        np.stack([s, d, along, across], axis=1),
+        covariance,
+        DEEP_M * same,
+        width,
+        CROSSER * same,
+        CROSSER_LOSS_PER_S * same,
+    )
+    return found.chosen(near)
+
+
+def _on_road(forward_m: Floats, right_m: Floats, pose: Floats, road: Road, s_m: float) -> tuple[Floats, Floats]:
+    """s and d of places in vehicle axes."""
+    cosine, sine = cos(pose[2]), sin(pose[2])
+    x = pose[0] + cosine * forward_m - sine * right_m
+    y = pose[1] + sine * forward_m + cosine * right_m
+    return road.place_at(x, y, s_m + forward_m)

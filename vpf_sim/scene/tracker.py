@@ -17,6 +17,7 @@ from vpf_sim.scene.road import Road
 from vpf_sim.types import Bools, Floats, Integers
 
 ACCELERATION_MPS2 = np.array([2.0, 1.0])  # standard deviation of white noise, along and across
+STANDS_MPS, STANDING_SHARE = 0.3, 0.05  # what is slower accelerates by this share of it
 GATE = float(chi2.ppf(0.999, 2))  # of the squared Mahalanobis distance in place
 VELOCITY_SLACK_MPS = 1.5  # added to the velocities' standard deviations: a track may begin to move or stop
 SPAWN, REPORT, PRUNE = -1.0, 0.0, -3.0  # log-odds
@@ -35,6 +36,7 @@ class Faces:
     length_m: Floats  # (N,)
     width_m: Floats  # (N,)
     gain: Floats  # (N,) log-odds of existence: those that a detection adds, those of a track
+    loss_per_s: Floats  # (N,) log-odds that a second without detection in sight takes
 
     def __len__(self) -> int:
         return len(self.state)
@@ -54,7 +56,7 @@ Detections = Faces
 
 def no_detections() -> Detections:
     """None at all."""
-    return Detections(np.empty((0, 4)), np.empty((0, 4, 4)), np.empty(0), np.empty(0), np.empty(0))
+    return Detections(np.empty((0, 4)), np.empty((0, 4, 4)), *np.empty((4, 0)))
 
 
 @dataclass(slots=True)
@@ -69,8 +71,7 @@ class SceneTracker:
     """Tracks of one episode."""
 
     def __init__(self) -> None:
-        none = np.empty(0)
-        self.table = TrackTable(np.empty((0, 4)), np.empty((0, 4, 4)), none, none, none, np.empty(0, np.int64), none)
+        self.table = _begun(no_detections(), np.empty(0, np.int64))
         self._next = 0
 
     def predict(self, dt_s: float) -> None:
@@ -79,7 +80,9 @@ class SceneTracker:
         step[0, 2] = step[1, 3] = dt_s
         table = self.table
         table.state = table.state @ step.T
-        table.covariance = step @ table.covariance @ step.T + process_noise(dt_s)
+        stands = np.hypot(*table.state[:, 2:].T) < STANDS_MPS
+        share = np.where(stands, STANDING_SHARE**2, 1.0)
+        table.covariance = step @ table.covariance @ step.T + share[:, None, None] * process_noise(dt_s)
         table.unseen_s = table.unseen_s + dt_s
 
     def carry(self, before: Road, after: Road) -> None:
@@ -89,17 +92,17 @@ class SceneTracker:
             x, y, _ = before.world(state[:, 0], state[:, 1])
             state[:, 0], state[:, 1] = after.place_at(x, y, state[:, 0])
 
-    def update(self, found: Detections, fresh: float, miss: Floats, ego_s_m: float) -> None:
+    def update(self, found: Detections, fresh: float, in_sight_s: Floats, ego_s_m: float) -> None:
         """Correct tracks by their detections and begin new ones.
 
-        A detection adds its gain times `fresh`, the share by which it is independent of the last. `miss` (K,) is what
-        each track's log-odds lose if it is not detected.
+        A detection adds its gain times `fresh`, the share by which it is independent of the last. `in_sight_s` (K,) is
+        the time since the last frame, of tracks that should be detected, or a small part of it.
         """
         track, detection = self._associate(found)
         table = self.table
         undetected = np.ones(len(table), np.bool_)
         undetected[track] = False
-        table.gain[undetected] -= miss[undetected]
+        table.gain[undetected] -= (in_sight_s * table.loss_per_s)[undetected]
         if len(track):
             self._correct(track, found.chosen(detection), fresh)
         new = np.ones(len(found), np.bool_)
@@ -141,7 +144,8 @@ class SceneTracker:
         change = np.einsum("nij,nj->ni", gain, found.state - table.state[rows])
         table.state[rows] += change
         table.covariance[rows] = (np.eye(4) - gain) @ before
-        table.length_m[rows], table.width_m[rows] = found.length_m, found.width_m
+        for name in ("length_m", "width_m", "loss_per_s"):
+            getattr(table, name)[rows] = getattr(found, name)
         table.gain[rows] = np.minimum(table.gain[rows] + fresh * found.gain, MOST)
         table.unseen_s[rows] = 0.0
 
@@ -149,9 +153,7 @@ class SceneTracker:
         count, table = len(found), self.table
         identity = np.arange(self._next, self._next + count)
         self._next += count
-        new = TrackTable(
-            found.state, found.covariance, found.length_m, found.width_m, SPAWN + found.gain, identity, np.zeros(count)
-        )
+        new = _begun(found, identity)
         self.table = table.joined(new)
 
     def _prune(self, ego_s_m: float) -> None:
@@ -161,6 +163,12 @@ class SceneTracker:
         kept &= np.sqrt(table.covariance[:, 1, 1]) < VAGUE_M
         if not kept.all():
             self.table = table.chosen(kept)
+
+
+def _begun(found: Detections, identity: Integers) -> TrackTable:
+    """Tracks that begin with a detection each."""
+    sizes, existence = (found.length_m, found.width_m), (SPAWN + found.gain, found.loss_per_s)
+    return TrackTable(found.state, found.covariance, *sizes, *existence, identity, np.zeros(len(found)))
 
 
 def process_noise(dt_s: float) -> Floats:

@@ -1,0 +1,213 @@
+"""Actors that cross: clusters of points that leave the lines on which a static scene moves in the image.
+
+A static point moves along the line through the focus of expansion, no less than the road behind it. What moves across
+leaves that line. With the inverse depth w and the speed across u, a point's motion is linear in w and u w. The motion
+of a small actor hardly shows w, so its foot bounds it: the lowest point stands on the road or above.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse.csgraph import connected_components
+
+from vpf_sim.configuration import setting, settings
+from vpf_sim.perception.egomotion.config import NoiseModel
+from vpf_sim.perception.egomotion.ground_plane import relative_pose
+from vpf_sim.perception.egomotion.triangulation import information
+from vpf_sim.perception.obstacles.moving.moving_frame import rays
+from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, LateralExtents
+
+GROUND_SHARE = 0.93  # of the inverse depth of the road behind a point: static points have no less
+NEAREST_PER_M = 0.5
+DROPS = (-0.35, 0.6)  # slopes of the rays that count
+LINK_PX = (35.0, 70.0)  # between points of one actor, across and down
+LINK_PX_PER_S, LINK_SHARE = 8.0, 0.3  # by which their motions may differ
+FOOT_M = 0.1  # height of the lowest corner on an actor
+NEARER, NEARER_SIGMA = 1.15, 0.3  # ratio of the depth of the foot's ray on the road to that of the actor
+FOOT_SIGMA = 0.1  # the same where the motion would place it beyond
+PASSES, CHI2_MEMBER, CHI2_SCALE = 5, 40.0, 9.0
+LEAST_SHARE = 0.4  # of a cluster's points that agree
+SIGMAS = 3.0  # of the speed across, by which it surely moves
+TOPS_M, HIGHEST_FOOT_M = (0.75, 3.5), 1.0  # of an actor by its points
+AROUND_PX = 8.0  # about its points, where others may be its own
+
+
+@settings
+class CrossingConfig:
+    """Clusters of points that move across the road."""
+
+    static_chi2: float = setting("chi2 above which a point does not belong to the static scene", gt=0.0)
+    least_points: int = setting("points of an actor, at least", ge=2)
+    least_mps: float = setting("speed across, at least", gt=0.0)
+    fastest_mps: float = setting("and at most", gt=0.0)
+    farthest_m: float = setting("depth at most", gt=0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Crossers(LateralExtents):
+    """K actors that move across, in vehicle axes."""
+
+    depth_m: Floats  # (K,) from the camera
+    left_m: Floats  # (K,) of their visible points
+    right_m: Floats  # (K,)
+    speed_mps: Floats  # (K,) to the right
+    depth_sigma_m: Floats  # (K,)
+    speed_sigma_mps: Floats  # (K,) at that depth
+
+    def __len__(self) -> int:
+        return len(self.depth_m)
+
+
+@dataclass(frozen=True, slots=True)
+class _Motions:
+    """Motions of N points: residual px = by_depth w + by_across (u w) - far, for an inverse depth w and a speed u."""
+
+    drop: Floats  # (N,) slope of the ray downwards
+    bearing: Floats  # (N,) and to the right
+    by_depth: Floats  # (N, 2)
+    by_across: Floats  # (N, 2)
+    far: Floats  # (N, 2)
+    weight: Floats  # (N, 2, 2)
+
+    def chosen(self, rows: Integers) -> "_Motions":
+        return _Motions(*(getattr(self, name)[rows] for name in self.__slots__))
+
+    def chi2(self, residual: Floats) -> Floats:
+        return np.asarray(np.einsum("ni,nij,nj->n", residual, self.weight, residual))
+
+    def static_chi2(self, least_per_m: Floats) -> Floats:
+        """(N,) with the best inverse depth from `least_per_m` (N,) on."""
+        weighted = np.einsum("nij,nj->ni", self.weight, self.by_depth)
+        curvature = np.maximum((weighted * self.by_depth).sum(axis=1), 1e-12)
+        inverse = np.clip((weighted * self.far).sum(axis=1) / curvature, least_per_m, NEAREST_PER_M)
+        return self.chi2(self.by_depth * inverse[:, None] - self.far)
+
+
+def nobody() -> Crossers:
+    """None at all."""
+    return Crossers(*np.empty((6, 0)))
+
+
+class CrossingDetector:
+    """Finds actors that cross, frame by frame."""
+
+    def __init__(self, camera: Camera, config: CrossingConfig, window_px: int, noise: NoiseModel) -> None:
+        self._camera, self._config = camera, config
+        self._window_px, self._noise = window_px, noise  # of the point tracks
+
+    def find(self, flow: Flow) -> tuple[Crossers, Bools]:
+        """The actors that cross, and (N,) points of the flow that are theirs or nearby."""
+        config, near = self._config, np.zeros(len(flow), np.bool_)
+        motions = _motions(flow, self._camera, self._window_px, self._noise)
+        rows = np.flatnonzero(self._moves(flow, motions))
+        found = []
+        if len(rows) >= config.least_points:
+            labels = _clusters(flow.points_px[rows], motions.far[rows] / flow.gap_s[rows, None])
+            for label in np.flatnonzero(np.bincount(labels) >= config.least_points).tolist():
+                cluster = rows[labels == label]
+                actor = _actor(motions.chosen(cluster), self._camera, config)
+                if actor is not None:
+                    found.append(actor)
+                    near |= _around(flow.points_px, flow.points_px[cluster])
+        return Crossers(*np.array(found, float).reshape(-1, 6).T), near
+
+    def _moves(self, flow: Flow, motions: _Motions) -> Bools:
+        """(N,) points that do not belong to the static scene."""
+        least_per_m = GROUND_SHARE * np.maximum(motions.drop, 0.0) / self._camera.height_m
+        moves: Bools = motions.static_chi2(least_per_m) > self._config.static_chi2
+        moves &= (motions.drop > DROPS[0]) & (motions.drop < DROPS[1]) & (flow.age_frames >= 1)
+        return moves & ~flow.stuck if len(flow.stuck) else moves
+
+
+def _around(points_px: Floats, cluster_px: Floats) -> Bools:
+    """(N,) points in the upright box about a cluster's points."""
+    low, high = cluster_px.min(axis=0) - AROUND_PX, cluster_px.max(axis=0) + AROUND_PX
+    return np.asarray(((points_px > low) & (points_px < high)).all(axis=1))
+
+
+def _motions(flow: Flow, camera: Camera, window_px: int, noise: NoiseModel) -> _Motions:
+    """The motions over the flow's windows; a past ray is f - f_w w - f_u u w forward, and so on."""
+    ray, past = rays(camera, flow.points_px), flow.points_px - flow.displacement_px
+    x = (past[:, 0] - camera.cx_px) / camera.fx_px
+    y = (past[:, 1] - camera.cy_px) / camera.fy_px
+    position, turn = relative_pose(flow.past_pose, flow.pose)
+    cosine, sine = np.cos(turn), np.sin(turn)
+    zero = np.zeros_like(x)
+    forward = np.stack(
+        [cosine * ray[:, 0] - sine * ray[:, 1], position[:, 0] + (cosine - 1.0) * camera.forward_m, sine * flow.gap_s]
+    )
+    right = np.stack(
+        [sine * ray[:, 0] + cosine * ray[:, 1], position[:, 1] + sine * camera.forward_m, -cosine * flow.gap_s]
+    )
+    down = np.stack([ray[:, 2], zero, zero])
+    pitch_cosine, pitch_sine = np.cos(camera.pitch_rad), np.sin(camera.pitch_rad)
+    depth = pitch_cosine * forward + pitch_sine * down  # along the past camera's axis
+    below = pitch_cosine * down - pitch_sine * forward
+    focal = np.array([camera.fx_px, camera.fy_px]) / np.maximum(depth[0], 0.2)[:, None]
+    far, by_depth, by_across = focal * np.stack([x * depth - right, y * depth - below], axis=-1)
+    return _Motions(
+        ray[:, 2] / ray[:, 0],
+        ray[:, 1] / ray[:, 0],
+        by_depth,
+        by_across,
+        -far,
+        information(flow, window_px, flow.gap_s, noise),
+    )
+
+
+def _clusters(points_px: Floats, motion_px_per_s: Floats) -> Integers:
+    """(N,) labels of points that are near each other and move alike."""
+    apart = np.abs(points_px[:, None] - points_px)
+    speed = np.hypot(*motion_px_per_s.T)
+    differs = np.hypot(*np.moveaxis(motion_px_per_s[:, None] - motion_px_per_s, -1, 0))
+    alike = differs < LINK_PX_PER_S + LINK_SHARE * np.minimum(speed[:, None], speed)
+    near: Bools = np.all(apart < LINK_PX, axis=-1) & alike
+    return np.asarray(connected_components(near)[1])
+
+
+def _actor(points: _Motions, camera: Camera, config: CrossingConfig) -> tuple[float, ...] | None:
+    """A row of `Crossers` by the points of a cluster; None if they are none."""
+    lowest = float(points.drop.max())
+    if lowest * config.farthest_m < camera.height_m - FOOT_M:
+        return None
+    foot_per_m = lowest / (camera.height_m - FOOT_M)
+    inverse, across, sigma, chi2 = _fit(points, NEARER * foot_per_m, NEARER_SIGMA * foot_per_m)
+    if inverse < foot_per_m:
+        inverse, across, sigma, chi2 = _fit(points, foot_per_m, 1e-3 * foot_per_m)
+        sigma = FOOT_SIGMA * foot_per_m, sigma[1]
+    members = chi2 < CHI2_MEMBER
+    depth = 1.0 / inverse
+    speed, speed_sigma = across * depth, sigma[1] * depth
+    count = np.count_nonzero(members)
+    if count < max(config.least_points, LEAST_SHARE * len(chi2)) or not config.least_mps + SIGMAS * speed_sigma < abs(
+        speed
+    ):
+        return None
+    drop, bearing = points.drop[members], points.bearing[members]
+    top, foot = camera.height_m - drop.min() * depth, camera.height_m - drop.max() * depth
+    if (
+        not TOPS_M[0] < top < TOPS_M[1]
+        or foot > HIGHEST_FOOT_M
+        or depth > config.farthest_m
+        or abs(speed) > config.fastest_mps
+    ):
+        return None
+    return depth, bearing.min() * depth, bearing.max() * depth, speed, sigma[0] * depth**2, speed_sigma
+
+
+def _fit(
+    points: _Motions, prior_per_m: float, prior_sigma_per_m: float
+) -> tuple[float, float, tuple[float, float], Floats]:
+    """Inverse depth w, u w, their standard deviations and (N,) chi2, by reweighted least squares (Cauchy)."""
+    slope = np.stack([points.by_depth, points.by_across], axis=2)
+    gain = slope.transpose(0, 2, 1) @ points.weight
+    prior = np.diag([prior_sigma_per_m**-2, 1e-4])
+    trust = np.ones(len(slope))
+    for _ in range(PASSES):
+        normal = prior + np.einsum("n,nij,njk->ik", trust, gain, slope)
+        right = prior[:, 0] * prior_per_m + np.einsum("n,nij,nj->i", trust, gain, points.far)
+        solved = np.linalg.solve(normal, right)
+        chi2 = points.chi2(slope @ solved - points.far)
+        trust = 1.0 / (1.0 + chi2 / CHI2_SCALE)
+    sigma = np.sqrt(np.diag(np.linalg.inv(normal)))
+    return float(solved[0]), float(solved[1]), (float(sigma[0]), float(sigma[1])), chi2
