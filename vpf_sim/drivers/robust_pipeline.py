@@ -46,7 +46,7 @@ def robust_pipeline(
         stage("triangulation", its.triangulate, "steady_flow", "points"),
         stage("moving_obstacles", its.track_moving, "steady_flow points road observation", "on_moving"),
         *(
-            [stage("crossing", its.find_crossers, "steady_flow on_moving", "crossers on_moving")]
+            [stage("crossing", its.find_crossers, "steady_flow on_moving observation", "crossers on_moving")]
             if variant.crossing
             else []
         ),
@@ -119,11 +119,13 @@ class ObstacleStages:
             return None
         return self._moving.update(steady, points, road, observation.speed_mps, observation.time_s)
 
-    def find_crossers(self, steady: Flow, on_moving: Bools | None) -> tuple[Crossers, Bools | None]:
+    def find_crossers(
+        self, steady: Flow, on_moving: Bools | None, observation: Observation
+    ) -> tuple[Crossers, Bools | None]:
         """Actors that cross, and (N,) points of the flow on anything that moves; none beneath the wiper."""
         if self._crossing is None or self._trackers.flow.is_swept:
             return nobody(), on_moving
-        crossers, near = self._crossing.find(steady)
+        crossers, near = self._crossing.find(steady, observation.speed_mps)
         return crossers, near if on_moving is None else near | on_moving
 
     def refine(self, flow: Flow, steady: Flow, points: Triangulation, road: RoadEdges) -> Triangulation:

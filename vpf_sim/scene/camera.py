@@ -23,7 +23,7 @@ MOST_BEND = 0.8  # of 1 - d * curvature that the own place may take away
 LOOK_M, LOOK_S = 0.5, 0.5  # way or time after which an observation is independent of the last
 OUT_OF_SIGHT = 0.02  # of what a track loses where it should be detected
 SIGHT_M, BEARING = (3.0, 20.0), 0.8  # where a track is expected to be detected; tangent of its bearing
-STANDING_MPS, STANDING_SIGMAS = 0.4, 2.0  # a track whose velocity is not surely more stands
+STANDING_MPS, STANDING_SIGMAS = 0.4, 1.0  # a track whose velocity is not surely more stands
 CROSSING = 1.0  # across over along, from which a track shows its side
 
 

@@ -14,8 +14,9 @@ ALONG_SIGMA_M, ACROSS_SIGMA_M, MOVING_ACROSS_SIGMA_M = 0.2, 0.12, 0.25  # at lea
 STANDING_SIGMA_MPS, MOVING_SIGMA_MPS = 0.05, 0.5
 CONFIRMED = 4.0  # log-odds that an obstacle adds which perception has confirmed by itself
 
+NEAR_M, NEAR = 5.0, 0.3  # the same where something stands that should have been seen from farther away
 CROSSER = 0.7  # the same of a cluster of points in one frame
-STATIC_LOSS_PER_S, MOVING_LOSS_PER_S, CROSSER_LOSS_PER_S = 20.0, 4.0, 2.5  # log-odds, while not detected in sight
+STATIC_LOSS_PER_S, MOVING_LOSS_PER_S, CROSSER_LOSS_PER_S = 20.0, 2.0, 2.5  # log-odds, while not detected in sight
 BESIDE_M = 3.0  # from the edges, where actors that cross may come from
 NARROWEST_M, DEEP_M = 0.6, 0.6  # of what crosses: its width at least, and its size along the road
 CROSSER_SIGMA_M, CROSSER_SIGMA_MPS = 0.3, (1.0, 0.3)  # across; along and across, at least
@@ -34,7 +35,8 @@ def of_obstacles(obstacles: Obstacles, pose: Floats, road: Road, s_m: float, siz
     state = np.stack([s, d, obstacles.speed_mps, np.zeros(count)], axis=1)
     width = obstacles.width_m
     loss = np.where(moving, MOVING_LOSS_PER_S, STATIC_LOSS_PER_S)
-    return Detections(state, covariance, sizes.lengths_m(width), width, np.full(count, CONFIRMED), loss)
+    gain = np.where(~moving & (obstacles.forward_m < NEAR_M), NEAR, CONFIRMED)
+    return Detections(state, covariance, sizes.lengths_m(width), width, gain, loss)
 
 
 def of_crossers(crossers: Crossers, camera_m: float, pose: Floats, road: Road, s_m: float) -> Detections:
@@ -43,12 +45,13 @@ def of_crossers(crossers: Crossers, camera_m: float, pose: Floats, road: Road, s
     s, d = _on_road(forward, crossers.middle_m, pose, road, s_m)
     here = road.at(s)
     turn = float(pose[2]) - here.heading_rad
-    along, across = -np.sin(turn) * crossers.speed_mps, np.cos(turn) * crossers.speed_mps
+    along = np.cos(turn) * crossers.along_mps - np.sin(turn) * crossers.speed_mps
+    across = np.sin(turn) * crossers.along_mps + np.cos(turn) * crossers.speed_mps
     sigma = np.empty((len(crossers), 4))
     sigma[:, 0] = crossers.depth_sigma_m
     sigma[:, 1] = np.hypot(CROSSER_SIGMA_M, np.abs(crossers.middle_m) / crossers.depth_m * crossers.depth_sigma_m)
     relative = crossers.depth_sigma_m / crossers.depth_m  # a farther actor is a faster one
-    sigma[:, 2] = CROSSER_SIGMA_MPS[0]
+    sigma[:, 2] = np.hypot(CROSSER_SIGMA_MPS[0], relative * crossers.along_mps)
     sigma[:, 3] = np.hypot(CROSSER_SIGMA_MPS[1], np.hypot(crossers.speed_sigma_mps, relative * crossers.speed_mps))
     covariance = np.eye(4) * (sigma**2)[:, None, :]
     near = (d > here.left_m - BESIDE_M) & (d < here.right_m + BESIDE_M)

@@ -52,7 +52,7 @@ def scene(actor: Floats, velocity_mps: tuple[float, float], yaw_rate_radps: floa
     ground = road()
     moves = np.zeros((len(ground) + len(actor), 2))
     moves[len(ground) :] = velocity_mps
-    return detector().find(flow(np.concatenate([ground, actor]), moves, yaw_rate_radps))
+    return detector().find(flow(np.concatenate([ground, actor]), moves, yaw_rate_radps), SPEED_MPS)
 
 
 @pytest.mark.parametrize("yaw_rate_radps", [0.0, 0.3, -0.3])
@@ -86,7 +86,7 @@ def test_what_stands_or_drives_along_the_road_does_not_cross(velocity_mps: tuple
 
 def test_an_empty_road_in_a_bend_shows_nobody() -> None:
     ground = road()
-    found, _ = detector().find(flow(ground, np.zeros((len(ground), 2)), 0.4))
+    found, _ = detector().find(flow(ground, np.zeros((len(ground), 2)), 0.4), SPEED_MPS)
     assert not len(found)
 
 
@@ -94,3 +94,10 @@ def test_what_lies_flat_or_hangs_high_does_not_cross() -> None:
     for low_m, high_m in ((0.0, 0.4), (2.5, 5.0)):
         found, _ = scene(body(12.0, 1.0, 0.6, low_m, high_m), (0.0, -2.0))
         assert not len(found)
+
+
+def test_a_car_that_comes_in_a_bend_is_oncoming_traffic() -> None:
+    found, _ = scene(body(18.0, -1.0, 1.8, 0.15, 1.4), (-7.0, 2.0))
+    assert found.depth_m[0] == pytest.approx(18.0 - CAMERA.forward_m, rel=0.1)
+    assert found.along_mps[0] == pytest.approx(-7.0, abs=2.0)
+    assert found.speed_mps[0] == pytest.approx(2.0, abs=0.6)

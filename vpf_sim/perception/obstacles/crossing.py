@@ -1,8 +1,10 @@
-"""Actors that cross: clusters of points that leave the lines on which a static scene moves in the image.
+"""Actors that cross, or come in a bend: clusters of points that a static scene does not explain.
 
 A static point moves along the line through the focus of expansion, no less than the road behind it. What moves across
-leaves that line. With the inverse depth w and the speed across u, a point's motion is linear in w and u w. The motion
-of a small actor hardly shows w, so its foot bounds it: the lowest point stands on the road or above.
+leaves that line. With the inverse depth w and the speed across u, the motion of a point is linear in w and u w. The
+motion of a small actor hardly shows w, so its foot bounds it: the lowest point stands on the road or above. Motion
+fixes place and speed up to a common scale: what crosses is placed as if it did not move along, unless it would hang in
+the air and come towards the car faster than across. Then its foot is on the road.
 """
 
 from dataclasses import dataclass
@@ -29,6 +31,7 @@ PASSES, CHI2_MEMBER, CHI2_SCALE = 5, 40.0, 9.0
 LEAST_SHARE = 0.4  # of a cluster's points that agree
 SIGMAS = 3.0  # of the speed across, by which it surely moves
 TOPS_M, HIGHEST_FOOT_M = (0.75, 3.5), 1.0  # of an actor by its points
+COMES_MPS = 2.0  # towards the car, from which an actor may be oncoming traffic
 AROUND_PX = 8.0  # about its points, where others may be its own
 
 
@@ -45,12 +48,13 @@ class CrossingConfig:
 
 @dataclass(frozen=True, slots=True)
 class Crossers(LateralExtents):
-    """K actors that move across, in vehicle axes."""
+    """K actors that move across, or come, in vehicle axes."""
 
     depth_m: Floats  # (K,) from the camera
     left_m: Floats  # (K,) of their visible points
     right_m: Floats  # (K,)
     speed_mps: Floats  # (K,) to the right
+    along_mps: Floats  # (K,) forward
     depth_sigma_m: Floats  # (K,)
     speed_sigma_mps: Floats  # (K,) at that depth
 
@@ -85,7 +89,7 @@ class _Motions:
 
 def nobody() -> Crossers:
     """None at all."""
-    return Crossers(*np.empty((6, 0)))
+    return Crossers(*np.empty((7, 0)))
 
 
 class CrossingDetector:
@@ -95,7 +99,7 @@ class CrossingDetector:
         self._camera, self._config = camera, config
         self._window_px, self._noise = window_px, noise  # of the point tracks
 
-    def find(self, flow: Flow) -> tuple[Crossers, Bools]:
+    def find(self, flow: Flow, own_mps: float) -> tuple[Crossers, Bools]:
         """The actors that cross, and (N,) points of the flow that are theirs or nearby."""
         config, near = self._config, np.zeros(len(flow), np.bool_)
         motions = _motions(flow, self._camera, self._window_px, self._noise)
@@ -105,11 +109,11 @@ class CrossingDetector:
             labels = _clusters(flow.points_px[rows], motions.far[rows] / flow.gap_s[rows, None])
             for label in np.flatnonzero(np.bincount(labels) >= config.least_points).tolist():
                 cluster = rows[labels == label]
-                actor = _actor(motions.chosen(cluster), self._camera, config)
+                actor = _actor(motions.chosen(cluster), self._camera, config, own_mps)
                 if actor is not None:
                     found.append(actor)
                     near |= _around(flow.points_px, flow.points_px[cluster])
-        return Crossers(*np.array(found, float).reshape(-1, 6).T), near
+        return Crossers(*np.array(found, float).reshape(-1, 7).T), near
 
     def _moves(self, flow: Flow, motions: _Motions) -> Bools:
         """(N,) points that do not belong to the static scene."""
@@ -165,7 +169,7 @@ def _clusters(points_px: Floats, motion_px_per_s: Floats) -> Integers:
     return np.asarray(connected_components(near)[1])
 
 
-def _actor(points: _Motions, camera: Camera, config: CrossingConfig) -> tuple[float, ...] | None:
+def _actor(points: _Motions, camera: Camera, config: CrossingConfig, own_mps: float) -> tuple[float, ...] | None:
     """A row of `Crossers` by the points of a cluster; None if they are none."""
     lowest = float(points.drop.max())
     if lowest * config.farthest_m < camera.height_m - FOOT_M:
@@ -176,7 +180,11 @@ def _actor(points: _Motions, camera: Camera, config: CrossingConfig) -> tuple[fl
         inverse, across, sigma, chi2 = _fit(points, foot_per_m, 1e-3 * foot_per_m)
         sigma = FOOT_SIGMA * foot_per_m, sigma[1]
     members = chi2 < CHI2_MEMBER
-    depth = 1.0 / inverse
+    depth, along = 1.0 / inverse, 0.0
+    coming = own_mps * (inverse / foot_per_m - 1.0)
+    if coming > max(COMES_MPS, abs(across) / foot_per_m):
+        depth, along = 1.0 / foot_per_m, -coming
+        sigma = FOOT_SIGMA * foot_per_m, sigma[1]
     speed, speed_sigma = across * depth, sigma[1] * depth
     count = np.count_nonzero(members)
     if count < max(config.least_points, LEAST_SHARE * len(chi2)) or not config.least_mps + SIGMAS * speed_sigma < abs(
@@ -192,7 +200,7 @@ def _actor(points: _Motions, camera: Camera, config: CrossingConfig) -> tuple[fl
         or abs(speed) > config.fastest_mps
     ):
         return None
-    return depth, bearing.min() * depth, bearing.max() * depth, speed, sigma[0] * depth**2, speed_sigma
+    return depth, bearing.min() * depth, bearing.max() * depth, speed, along, sigma[0] * depth**2, speed_sigma
 
 
 def _fit(
