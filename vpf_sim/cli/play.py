@@ -73,9 +73,8 @@ def play(
 def _driven(scenario: str, weather: str, driver: str, seed: int) -> "Ghost":
     """The ghost, after its drive."""
     from vpf_sim.api.drive import drive
-    from vpf_sim.errors import InputError
+    from vpf_sim.errors import InputError, cause
     from vpf_sim.reporting.play_view import Ghost
-    from vpf_sim.errors import cause
 
     print(f"vpf-sim: {driver} drives first, as the ghost", file=sys.stderr)
     episode = drive(scenario, driver=driver, weather=weather, seed=seed)

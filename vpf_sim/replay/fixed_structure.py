@@ -39,7 +39,8 @@ class FixedStructure:
         """(N,) which points (N, 2) are not on what is fixed."""
         height, width = self.mask.shape
         columns, rows = np.clip(np.rint(points_px).astype(np.intp), 0, [width - 1, height - 1]).T
-        return ~self.mask[rows, columns]
+        on_fixed: Bools = self.mask[rows, columns]
+        return ~on_fixed
 
     @property
     def hidden(self) -> Image:
@@ -59,7 +60,9 @@ class FixedStructure:
 
 def find(frames: Iterator[Frame], times_s: Floats) -> FixedStructure | None:
     """What is fixed to the camera in the first minute; None if too few frames differ to tell it from the scene."""
-    total, square, count = np.zeros(0), np.zeros(0), 0
+    total: Floats = np.zeros(0)
+    square: Floats = np.zeros(0)
+    count = 0
     for image in _differing(frames, times_s):
         gradient = np.stack([cv2.Sobel(image, cv2.CV_32F, *axis, scale=0.125) for axis in ((1, 0), (0, 1))])
         total = gradient if not count else total + gradient
