@@ -64,7 +64,7 @@ def find(frames: Iterator[Frame], times_s: Floats) -> FixedStructure | None:
     square: Floats = np.zeros(0)
     count = 0
     for image in _differing(frames, times_s):
-        gradient = np.stack([cv2.Sobel(image, cv2.CV_32F, *axis, scale=0.125) for axis in ((1, 0), (0, 1))])
+        gradient: Floats = np.stack([cv2.Sobel(image, cv2.CV_32F, *axis, scale=0.125) for axis in ((1, 0), (0, 1))])
         total = gradient if not count else total + gradient
         square = np.sum(gradient**2, axis=0) if not count else square + np.sum(gradient**2, axis=0)
         count += 1
