@@ -10,7 +10,7 @@ import recorded_layouts as layouts
 
 from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.camera import weather as weathers
-from vpf_sim.gallery.scripted import Path, ScriptedDrive
+from vpf_sim.gallery.poses import Path, ScriptedDrive
 from vpf_sim.scenarios import Scenario
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Image
