@@ -14,7 +14,7 @@ import pytest
 
 if TYPE_CHECKING:
     from vpf_sim.api.drive import Episode
-    from vpf_sim.api.run import StrPath
+    from vpf_sim.api.paths import StrPath
     from vpf_sim.drivers import DriverLike
 
 

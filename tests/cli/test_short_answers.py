@@ -10,7 +10,7 @@ import vpf_sim
 from vpf_sim import cli
 from vpf_sim.cli.results import print_rows
 from vpf_sim.evaluation.analysis.rows import Cell
-from vpf_sim.evaluation.gate.checks import NO_SUCCESS, Check, listed
+from vpf_sim.evaluation.gate.checks import Check, listed
 from vpf_sim.reporting.run_data import open_run
 
 MOST_LINES = 20
@@ -78,7 +78,7 @@ def test_lost_drives_come_first_and_what_follows_from_them_is_not_listed() -> No
     lost, good = Cell("gate-course", "clear", "mine"), Cell("gate-course", "rain", "mine")
     checks = [
         Check(good, "path_mse_m2_at_most 3", "1 m2", "passed"),
-        Check(lost, "path_mse_m2_at_most 3", NO_SUCCESS, "failed", (1,)),
+        Check(lost, "path_mse_m2_at_most 3", "none arrived", "failed", (1,), is_of_loss=True),
         Check(lost, "recall_at_least 0.5", "no perception shown", "skipped"),
         Check(lost, "clearance_m_at_least 0.2", "0.1 m", "failed", (1,)),
         Check(lost, "success_rate_at_least 1", "0", "failed", (1, 2)),
@@ -88,5 +88,5 @@ def test_lost_drives_come_first_and_what_follows_from_them_is_not_listed() -> No
 
 @pytest.mark.parametrize("expected", ["path_mse_m2_at_most 3", "steering_rate_radps_at_most 1"])
 def test_without_a_rule_on_endings_a_cell_without_success_is_listed(expected: str) -> None:
-    checks = [Check(Cell("town04", "clear", "mine"), expected, NO_SUCCESS, "failed", (1,))]
+    checks = [Check(Cell("town04", "clear", "mine"), expected, "none arrived", "failed", (1,), is_of_loss=True)]
     assert listed(checks) == checks

@@ -87,7 +87,7 @@ def test_page_begins_with_the_users_drive_and_ends_with_cells_of_the_paper_witho
     assert all("open" not in table[:20] for table in tables if "<h2>Warnings</h2>" not in table)
     assert "<h2>Throttle and steering beside the human's</h2>" in tables[-1]
     body = tables[-1][tables[-1].index("<tbody>") :]
-    rows = re.findall(r"<tr( class=\"without\")?>(.*)</tr>", body)
+    rows = re.findall(r"<tr( class=\"faint\")?>(.*)</tr>", body)
     assert [bool(small) for small, _ in rows] == [False, *(5 * [True])]
     assert ["no recording" in row for _, row in rows] == [False, *(5 * [True])]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, SupportsIndex
 
 from vpf_sim import drivers
-from vpf_sim.api.run import StrPath, output_file, text
+from vpf_sim.api.paths import StrPath, output_file, text
 from vpf_sim.drivers import DriverLike
 from vpf_sim.errors import InputError, option, shown
 from vpf_sim.evaluation.episode import episode

@@ -5,7 +5,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from vpf_sim.api.run import Run, StrPath, output_file, text
+from vpf_sim.api.paths import StrPath, output_file, text
+from vpf_sim.api.run import Run
 from vpf_sim.errors import InputError, option, shown, unknown_name
 from vpf_sim.files import write_text
 from vpf_sim.system import one_thread

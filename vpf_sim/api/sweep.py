@@ -6,7 +6,8 @@ from typing import Any, TypeAlias
 
 from vpf_sim import drivers
 from vpf_sim.api.filling import Execution, fill
-from vpf_sim.api.run import Run, StrPath, text, texts
+from vpf_sim.api.paths import StrPath, text, texts
+from vpf_sim.api.run import Run
 from vpf_sim.drivers import DriverLike
 from vpf_sim.errors import InputError, shown
 from vpf_sim.evaluation.sweeps import run_folder

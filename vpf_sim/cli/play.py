@@ -36,10 +36,10 @@ def play(
     out: NewOutOption = None,
     json: JsonOption = False,
 ) -> None:
-    """Drive yourself: arrows or WASD, or a gamepad; exit code 1 if you do not arrive.
+    """Drive yourself; exit code 1 if you do not arrive.
 
-    The first key starts. O shows a driver's perception, G the ghost, P pauses, Esc gives up. The episode is stored like
-    that of any driver, under the name keyboard.
+    Arrows, WASD or a gamepad drive, the first key starts. O shows a driver's perception, G the ghost, P pauses, Esc
+    gives up. The episode is stored like that of any driver, under the name keyboard.
     """
     from vpf_sim.api.drive import driven
     from vpf_sim.drivers import KEYBOARD

@@ -28,14 +28,12 @@ class Wall:
         return {name: truth[name] for name in names}
 
 
-def plan(displacement_px: Floats, ttc_s: float, frames: int = 2) -> Any:
-    """What a driver makes of a frame."""
+def perceived(displacement_px: Floats, ttc_s: float, frames: int = 2) -> Any:
+    """What a driver perceives in a frame."""
     gap = np.full(len(POINTS), frames / RATE_HZ)
     flow = SimpleNamespace(points_px=POINTS, displacement_px=displacement_px, gap_s=gap)
     times = np.full(len(POINTS), ttc_s)
-    return SimpleNamespace(
-        perception=SimpleNamespace(flow=flow, features=SimpleNamespace(ttc_s=times), obstacles=np.empty(0))
-    )
+    return SimpleNamespace(flow=flow, features=SimpleNamespace(ttc_s=times), obstacles=np.empty(0))
 
 
 def scored(displacement_px: Floats, ttc_s: float, frames: int = 2, late: int = 0) -> dict[str, float]:
@@ -45,12 +43,12 @@ def scored(displacement_px: Floats, ttc_s: float, frames: int = 2, late: int = 0
     ego.heading = 0.0
     wall = Wall()
     env = SimpleNamespace(renderer=wall, camera=CAMERA, rate_hz=RATE_HZ, ego=ego, road=SimpleNamespace(network=network))
-    sight, made = PerceptionErrors(), plan(displacement_px, ttc_s, frames)
+    sight, made = PerceptionErrors(), perceived(displacement_px, ttc_s, frames)
     for k in range(40 + late):
         observation = Observation(np.zeros((1, 1, 3), np.uint8), k / RATE_HZ, k * STEP_M, 0.0, 0.0, 10.0, 0.0, (0, 0))
         sight.observe(observation, env)
         if not 39 <= k < 39 + late:  # in between the driver goes by the frame before
-            made = plan(displacement_px, ttc_s, frames)
+            made = perceived(displacement_px, ttc_s, frames)
         found = sight.columns(made)
         assert ("flow_error_px" in found) == (k == 39 + late)
     assert wall.asked == 1
