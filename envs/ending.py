@@ -6,8 +6,8 @@ from typing import Literal
 
 import numpy as np
 
+from vpf_sim.envs.contacts import free_ahead
 from vpf_sim.envs.ego import Ego
-from vpf_sim.envs.rectangles import free_ahead
 from vpf_sim.envs.route import Route
 from vpf_sim.scenarios import DrawnScenario
 from vpf_sim.timing import timed

@@ -16,11 +16,10 @@ from vpf_sim.envs import camera as cameras
 from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.envs.camera.rig import checked_rig, preset
+from vpf_sim.envs.contacts import clearance, distance, solid_objects
 from vpf_sim.envs.ego import MAX_SPEED_MPS, YAW_RATE_LIMIT_RADPS, Ego
 from vpf_sim.envs.ending import TERMINATED, TRUNCATED, Ending, Status
-from vpf_sim.envs.rectangles import clearance, distance, solid_objects
-from vpf_sim.envs.sensor_faults import CameraFaults, SignalFaults
-from vpf_sim.envs.sensors import Sensors
+from vpf_sim.envs.sensors import CameraFaults, Sensors, SignalFaults
 from vpf_sim.envs.world import build_world
 from vpf_sim.errors import InputError, refuse_options, refuse_unknown, unknown_name
 from vpf_sim.geometry import wrap_angle

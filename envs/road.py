@@ -8,9 +8,8 @@ from highway_env.road.lane import AbstractLane, LineType
 from highway_env.road.road import LaneIndex, RoadNetwork
 
 from vpf_sim.envs.centre_line import CentreLine
-from vpf_sim.envs.contacts import ContactRoad
-from vpf_sim.envs.network import LaneUse, Place, RoadLines
-from vpf_sim.envs.rectangles import Point, corners
+from vpf_sim.envs.contacts import ContactRoad, Point, corners
+from vpf_sim.envs.route import LaneUse, Place, RoadLines
 from vpf_sim.scenarios import Scenario
 from vpf_sim.scenarios.lane_places import LanePlaces
 from vpf_sim.scenarios.parts import Road

@@ -7,9 +7,9 @@ from typing import Protocol
 import numpy as np
 from highway_env.road.road import Road
 
+from vpf_sim.envs.actor import place_objects
 from vpf_sim.envs.ego import Ego
 from vpf_sim.envs.road import build_road, centre_line
-from vpf_sim.envs.road_objects import place_objects
 from vpf_sim.envs.route import Route
 from vpf_sim.scenarios import DrawnScenario, HighwayScenario, Scenario
 from vpf_sim.seeding import stream
@@ -44,9 +44,9 @@ class World:
 def build_world(scenario: DrawnScenario, seed: int, friction: float | None = None) -> World:
     """The world of a scenario as a seed draws it, with the road's coefficient of friction."""
     if isinstance(scenario, HighwayScenario):
-        from vpf_sim.envs.highway import world  # imports all of highway-env's environments
+        from vpf_sim.envs.highway.traffic import build
 
-        traffic, route, ego = world.build(scenario, seed, friction)
+        traffic, route, ego = build(scenario, seed, friction)
         return World(traffic.road, route, ego, traffic)
     road = build_road(scenario, stream(seed, "road"))
     route = Route.of(road.network.centre, scenario)

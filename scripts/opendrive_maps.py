@@ -16,8 +16,8 @@ from pathlib import Path
 from vpf_sim.errors import InputError
 from vpf_sim.scenarios.opendrive.convert import route_table
 from vpf_sim.scenarios.opendrive.keys import Direction, OpenDriveRoad
-from vpf_sim.scenarios.opendrive.links import Leg
 from vpf_sim.scenarios.opendrive.network import Network
+from vpf_sim.scenarios.opendrive.routes import Leg
 
 HEAD = "| map | directions | loaded | refused |\n|---|---|---|---|"
 

@@ -10,9 +10,9 @@ from highway_env.road.lane import AbstractLane
 from highway_env.road.road import LaneIndex, RoadNetwork
 
 from vpf_sim.envs.camera.layout import lane_shapes, lines
-from vpf_sim.envs.highway.spline_line import SplineLine
-from vpf_sim.envs.network import LaneUse, Place, RoadLines
-from vpf_sim.envs.rectangles import Point
+from vpf_sim.envs.contacts import Point
+from vpf_sim.envs.highway.lanes import SplineLine
+from vpf_sim.envs.route import LaneUse, Place, RoadLines
 from vpf_sim.geometry import wrap_angle
 
 PARALLEL_RAD = pi / 9.0  # lanes at a smaller angle, in either direction, share a cross-section

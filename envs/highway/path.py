@@ -2,25 +2,34 @@
 
 Along a stretch it is the lane's centre. A lane change is spread over the whole stretch, by a quintic without slope and
 curvature at both ends. Where the lanes of two roads do not meet exactly, a cubic bridges the joint.
+
+The way that a driver gets where roads part: left, straight or right, as CARLA's leaderboard does.
+
+Of the roads that leave a node, "straight" is the one whose direction changes least, and the others are to its left or
+right. So on a roundabout "straight" goes on around it, and "right" leaves it.
 """
 
 from collections.abc import Sequence
-from math import hypot
+from itertools import pairwise
+from math import atan2, hypot
 
 import numpy as np
 from highway_env.road.lane import AbstractLane
-from highway_env.road.road import RoadNetwork
+from highway_env.road.road import LaneIndex, RoadNetwork
 
-from vpf_sim.envs.highway.lanes import Stretch
-from vpf_sim.envs.highway.spline_line import SplineLine
+from vpf_sim.envs.highway.lanes import SplineLine, Stretch
+from vpf_sim.envs.route import Fork
 from vpf_sim.geometry import wrap_angle
-from vpf_sim.types import Floats
+from vpf_sim.types import Floats, Turn
 
 STEP_M = 0.25  # between the points along a lane
 KNOT_M = 1.0  # between the points of the spline
 GAP_M, KINK_RAD = 0.05, np.radians(1.0)  # a larger one is bridged
 BRIDGE_M = 7.0  # taken off both roads for it
 WIDE_GAP = 2.0  # or this many times the gap
+BEARING_M = 20.0  # how far along a road its direction is measured
+NOTICE_S, NOTICE_M = 4.0, 20.0  # before the fork, at least so long and so far
+JUNCTION_M = 30.0  # and up to this far behind it
 
 
 def centre_line(network: RoadNetwork, route: Sequence[Stretch]) -> tuple[SplineLine, list[float]]:
@@ -105,3 +114,47 @@ def _heading(pair: Floats) -> float:
 def _direction(pair: Floats) -> Floats:
     dx, dy = (pair[1] - pair[0]).tolist()
     return np.array([dx, dy]) / hypot(dx, dy)
+
+
+def forks(
+    network: RoadNetwork, route: Sequence[Stretch], ends_m: Sequence[float], speed_mps: float
+) -> tuple[Fork, ...]:
+    """The forks on a route, with the way to take; `ends_m` are s, m, at the ends of its stretches.
+
+    A lane change that leads to a fork belongs to it.
+    """
+    found = []
+    for number, (before, after) in enumerate(pairwise(route)):
+        turn = turn_at(network, before.left, after.entered)
+        if turn == "lane":
+            continue
+        fork_m, first = ends_m[number], number
+        while first >= 0 and route[first].changes_lane:
+            first -= 1
+        changed_from_m = (ends_m[first] if first >= 0 else 0.0) if first < number else fork_m
+        start_m = min(changed_from_m, fork_m - max(NOTICE_M, NOTICE_S * speed_mps))
+        found.append(Fork(start_m, fork_m + min(after.end_m - after.start_m, JUNCTION_M), turn))
+    return tuple(found)
+
+
+def turn_at(network: RoadNetwork, before: LaneIndex, after: LaneIndex) -> Turn:
+    """The way from one lane into another; "lane" where only one road goes on."""
+    lane = network.get_lane(before)
+    roads = network.graph.get(before[1], {})
+    if len(roads) < 2:
+        return "lane"
+    bearings = {end: _bearing_rad(lane, lanes) for end, lanes in roads.items()}
+    bearings[after[1]] = _bearing_rad(lane, [network.get_lane(after)])
+    straight = min(bearings, key=lambda end: abs(bearings[end]))
+    if after[1] == straight:
+        return "straight"
+    return "left" if bearings[after[1]] < bearings[straight] else "right"
+
+
+def _bearing_rad(lane: AbstractLane, onward: Sequence[AbstractLane]) -> float:
+    """The direction of the nearest of some lanes, off the direction of the lane that ends there; + is right."""
+    end, heading = lane.position(lane.length, 0.0), lane.heading_at(lane.length)
+    other = min(onward, key=lambda candidate: float(candidate.distance(end)))
+    start_m = max(0.0, other.local_coordinates(end)[0])
+    x, y = (other.position(min(start_m + BEARING_M, other.length), 0.0) - other.position(start_m, 0.0)).tolist()
+    return wrap_angle(atan2(y, x) - heading)

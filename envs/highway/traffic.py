@@ -1,11 +1,12 @@
 """The world of a highway-env environment as it makes it, and the traffic that it lets come and go."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from math import hypot, nan
+from math import hypot, isnan, nan
 from typing import Any
 
 import gymnasium
+import numpy as np
 from gymnasium.envs.registration import load_env_creator
 from highway_env.envs import IntersectionEnv
 from highway_env.utils import class_from_path
@@ -14,7 +15,11 @@ from highway_env.vehicle.objects import Obstacle, RoadObject
 
 from vpf_sim.envs.ego import Ego
 from vpf_sim.envs.highway.indexed_road import speed_up
-from vpf_sim.envs.network import Place
+from vpf_sim.envs.highway.lane_graph import ROUTE_HALF_M, LaneGraph
+from vpf_sim.envs.highway.lanes import Road, Stretch, roads_to, stretches
+from vpf_sim.envs.highway.path import centre_line, forks
+from vpf_sim.envs.route import BEYOND_GOAL_M, Fork, Place, Route
+from vpf_sim.scenarios import HighwayScenario
 from vpf_sim.scenarios.highway import HighwayEnv
 
 # An object that is farther aside of the route (two lanes), or farther from the ego, has no place.
@@ -22,6 +27,8 @@ BESIDE_M, FAR_M = 8.0, 100.0
 NOWHERE: Place = (nan, nan)
 # The id's own action has no planned route, and with it the destination that highway-env draws would be lost.
 PLANNED = {"intersection-v1": {"action": {"type": "DiscreteMetaAction"}}}
+DESTINATIONS = {"exit-v0": "exit", "exit-v1": "exit"}  # of ids that have one which highway-env does not plan
+SPARE_M = 20.0  # lanes beyond the last waypoint
 
 
 class Traffic:
@@ -120,3 +127,44 @@ def _changes_undone(environment: Any, config: dict[str, Any]) -> Iterator[dict[s
             else:
                 continue
             changes[name] = value
+
+
+def build(scenario: HighwayScenario, seed: int, friction: float | None) -> tuple[Traffic, Route, Ego]:
+    """The traffic with its road, the route, and the ego, for the episode of a seed."""
+    traffic = Traffic(scenario.highway_env, seed)
+    start, network = traffic.start, traffic.road.network
+    needed_m = scenario.goal.route_m + BEYOND_GOAL_M + SPARE_M
+    lanes = stretches(network, start.lane_index, start.position, _roads(scenario, traffic), needed_m)
+    line, ends_m = centre_line(network, lanes)
+    graph = traffic.road.network = LaneGraph(network, line, _lanes_for_idm(lanes))
+    route = _route(scenario, graph, line.length_m, forks(network, lanes, ends_m, scenario.ego.speed_reference_mps))
+    speed_mps = start.speed if scenario.ego.speed_mps is None else scenario.ego.speed_mps
+    ego = Ego(traffic.road, np.array(start.position, float), float(start.heading), float(speed_mps), friction)
+    ego.target_speed = scenario.ego.speed_reference_mps
+    traffic.replace_ego(ego)
+    return traffic, route, ego
+
+
+def _roads(scenario: HighwayScenario, traffic: Traffic) -> list[Road]:
+    """The roads to the destination: the one that highway-env has planned, or of the id; else the start's road alone."""
+    start, planned = traffic.start, getattr(traffic.start, "route", None)
+    if planned:
+        return [index[:2] for index in planned]
+    if (destination := DESTINATIONS.get(scenario.highway_env.id)) is not None:
+        return roads_to(traffic.road.network, start.lane_index, destination)
+    return [start.lane_index[:2]]
+
+
+def _lanes_for_idm(lanes: Sequence[Stretch]) -> list[tuple[str, str, int | None]]:
+    """The route as highway-env's cars take it; only where the lane must change is its number given."""
+    return [(*one.left[:2], one.left[2] if one.changes_lane else None) for one in lanes]
+
+
+def _route(scenario: HighwayScenario, graph: LaneGraph, length_m: float, ways: tuple[Fork, ...]) -> Route:
+    """The route along the graph's reference line, up to the goal or the end of the lanes."""
+    goal_m = min(scenario.goal.route_m, length_m)
+    (x, y), heading = graph.centre.position_at(goal_m, 0.0), graph.centre.heading_at(goal_m)
+    sides = graph.edges_at(x, y, heading)
+    if isnan(sides[0]):  # in a junction
+        sides = -ROUTE_HALF_M, ROUTE_HALF_M
+    return Route(graph.centre, 0.0, goal_m, goal_sides_m=sides, forks=ways)

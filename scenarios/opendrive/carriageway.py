@@ -1,5 +1,7 @@
-"""The carriageway of a route: its lanes, their width, and where its centre lies beside the reference line."""
+"""The carriageway of a route: its lanes, their width, where its centre lies, and the look of its marks."""
 
+from bisect import bisect_right
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -7,17 +9,17 @@ from itertools import pairwise
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.scenarios.opendrive.cubics import Cubic, valid_at
-from vpf_sim.scenarios.opendrive.lanes import LaneSection
-from vpf_sim.scenarios.opendrive.links import Leg
+from vpf_sim.scenarios.opendrive.geometry import Cubic, valid_at
+from vpf_sim.scenarios.opendrive.lanes import LaneSection, Mark
 from vpf_sim.scenarios.opendrive.network import MapRoad
-from vpf_sim.scenarios.opendrive.routes import Route, Track
+from vpf_sim.scenarios.opendrive.routes import Leg, Route, Track
 from vpf_sim.types import Floats
 
 TAPER_M = 1.0  # a lane that is narrower somewhere does not run through
 WIDTH_TOLERANCE_M = 0.05
 SAMPLE_M = 1.0
 SHORT_M = 0.01  # a part of a road that is shorter is merged with its neighbour
+RIGHT, LEFT, INSIDE = "right", "left", "inside"
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,3 +139,48 @@ def _cuts(road: MapRoad, section: LaneSection, outermost: int, low_m: float, hig
             kept.append(s)
     geometries = {one.s_m for one in road.geometries if low_m + 1e-6 < one.s_m < high_m - 1e-6}
     return sorted(geometries.union(kept))
+
+
+def look(carriageway: Carriageway) -> dict[str, str]:
+    """What the marks say of `[road.look]`; nothing where a map has none."""
+    solid: dict[str, float] = defaultdict(float)  # m, by border
+    painted: dict[str, float] = defaultdict(float)  # m, by colour
+    has_marks = False
+    for stretch in carriageway.stretches:
+        length_m = stretch.high_m - stretch.low_m
+        for place, marks in _borders(stretch):
+            has_marks = has_marks or bool(marks)
+            mark = _valid(marks, 0.5 * (stretch.low_m + stretch.high_m))
+            solid[place] += length_m * ("solid" in mark.kind)
+            painted[mark.color] += length_m * ("solid" in mark.kind or "broken" in mark.kind)
+    if not has_marks:
+        return {}
+    all_m = sum(stretch.high_m - stretch.low_m for stretch in carriageway.stretches)
+    edges = [place for place in (LEFT, RIGHT) if 2.0 * solid[place] > all_m]
+    is_yellow = 2.0 * painted["yellow"] > sum(painted.values())
+    return {
+        "edge_lines": "both" if len(edges) == 2 else edges[0] if edges else "none",
+        "lines": "yellow" if is_yellow else "white",
+    }
+
+
+def _borders(stretch: Stretch) -> list[tuple[str, Sequence[Mark]]]:
+    """The places and marks of the lanes' borders, from the outermost to the reference line's side."""
+    section, lanes = stretch.section, stretch.lanes
+    places = [RIGHT, *[INSIDE] * (len(lanes) - 1), LEFT]
+    if stretch.leg.road.is_left_hand:
+        lanes, places = lanes[::-1], places[::-1]
+    return list(
+        zip(places, [*(section.lanes[one].marks for one in lanes), _inner_marks(section, lanes[-1])], strict=True)
+    )
+
+
+def _inner_marks(section: LaneSection, lane: int) -> Sequence[Mark]:
+    """The marks on a lane's border towards the reference line: those of its neighbour there."""
+    neighbour = section.lanes.get(lane - 1 if lane > 0 else lane + 1)
+    return () if neighbour is None else neighbour.marks
+
+
+def _valid(marks: Sequence[Mark], s_m: float) -> Mark:
+    count = bisect_right([one.s_m for one in marks], s_m)
+    return marks[count - 1] if count else Mark(0.0, "none", "")

@@ -12,8 +12,8 @@ import numpy as np
 
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import wrap_angle
-from vpf_sim.scenarios.opendrive.cubics import Complexes
-from vpf_sim.scenarios.opendrive.pieces import Element, Piece, points_along
+from vpf_sim.scenarios.opendrive.geometry import Complexes
+from vpf_sim.scenarios.opendrive.spans import Element, Piece, points_along
 from vpf_sim.types import Floats
 
 TOLERANCE_M = 0.05  # of the finished chain: a gap so wide is bridged

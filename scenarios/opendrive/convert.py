@@ -1,6 +1,7 @@
 """The table `[road]` of a scenario from a map's road."""
 
 import math
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -8,20 +9,60 @@ import numpy as np
 
 from vpf_sim.configuration import build
 from vpf_sim.errors import InputError
-from vpf_sim.scenarios.opendrive import chain, segments
-from vpf_sim.scenarios.opendrive.carriageway import Carriageway, carriageway
+from vpf_sim.scenarios.opendrive import chain
+from vpf_sim.scenarios.opendrive.carriageway import Carriageway, carriageway, look
+from vpf_sim.scenarios.opendrive.chain import SAME_PER_M
 from vpf_sim.scenarios.opendrive.keys import OpenDriveFile, OpenDriveRoad
-from vpf_sim.scenarios.opendrive.marks import look
 from vpf_sim.scenarios.opendrive.network import Network
-from vpf_sim.scenarios.opendrive.pieces import pieces
 from vpf_sim.scenarios.opendrive.routes import find_route
-from vpf_sim.scenarios.opendrive.spans import span
+from vpf_sim.scenarios.opendrive.spans import Element, pieces, span
 from vpf_sim.scenarios.opendrive.widths import width_tables
 from vpf_sim.scenarios.parts import FARTHEST_M
 
 HEADING_DIGITS = 9
 INNER, CENTRE, OUTER = 0.0, 0.5, 1.0  # lines along the lanes, as shares of their width
 MEANING = {INNER: "the carriageway", CENTRE: "half the carriageway", OUTER: "the carriageway"}
+LENGTH_DIGITS = 6  # micrometres
+RADIUS_DIGITS = 9  # of all digits
+
+Segment = dict[str, Any]
+
+
+def segments(elements: Iterable[Element]) -> list[Segment]:
+    """As tables of a scenario file."""
+    return [one for element in elements if (one := _segment(element))["length_m"] > 0.0]
+
+
+def _segment(element: Element) -> Segment:
+    length_m, first, last = element
+    length = {"length_m": round(float(length_m), LENGTH_DIGITS)}
+    if first != last:
+        end = {"end_radius_m": _radius(last)} if last != 0.0 else {}
+        return {"kind": "clothoid", **length, **end}
+    return {"kind": "arc", **length, "radius_m": _radius(first)} if first != 0.0 else {"kind": "line", **length}
+
+
+def _radius(curvature: float) -> float:
+    return float(f"{1.0 / curvature:.{RADIUS_DIGITS}g}")
+
+
+def elements(tables: Iterable[Segment]) -> Iterator[Element]:
+    """The clothoids that a road is made of from the tables."""
+    curvature = 0.0
+    for one in tables:
+        first = curvature
+        if one["kind"] == "line":
+            first = curvature = 0.0
+        elif one["kind"] == "arc":
+            first = curvature = 1.0 / one["radius_m"]
+        else:
+            curvature = 1.0 / one.get("end_radius_m", math.inf)
+        yield Element(one["length_m"], first, curvature)
+
+
+def tightest_m(elements: Iterable[Element], sign: float) -> float:
+    """The least radius of a chain's bends to the right (1) or left (-1); a large one where there is none."""
+    return 1.0 / max([SAME_PER_M, *(sign * k for one in elements for k in one[1:])])
 
 
 def road_table(table: dict[str, Any], file: str) -> dict[str, Any]:
@@ -67,12 +108,12 @@ def _line(lanes: Carriageway, share: float) -> dict[str, Any]:
     line = chain.Chain(curve[0][1], 0.5 * width_m)
     for _, piece in curve:
         line.add(piece)
-    found = segments.segments(chain.with_leads(chain.merged(line.elements)))
-    made = [*segments.elements(found)]
+    found = segments(chain.with_leads(chain.merged(line.elements)))
+    made = [*elements(found)]
     line.check(made)
     left_share = share if lanes.has_left_inside else 1.0 - share
     for sign, side in ((1.0, 1.0 - left_share), (-1.0, left_share)):
-        if (radius_m := segments.tightest_m(made, sign)) <= side * width_m:
+        if (radius_m := tightest_m(made, sign)) <= side * width_m:
             raise InputError(
                 f"{curve[0][1].where}: planView: expected bends wider than {MEANING[share]}, {side * width_m:g} m, "
                 f"got a radius of {radius_m:.2f} m"

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from vpf_sim.errors import InputError
-from vpf_sim.scenarios.opendrive.cubics import Cubic, read_cubics
+from vpf_sim.scenarios.opendrive.geometry import Cubic, read_cubics
 from vpf_sim.scenarios.opendrive.xml_file import Element, integer, number
 
 DRIVABLE = {"driving", "entry", "exit", "onRamp", "offRamp", "connectingRamp"}

@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 from vpf_sim.errors import InputError, shown
 from vpf_sim.scenarios.opendrive import xml_file
-from vpf_sim.scenarios.opendrive.cubics import Cubic, read_cubics
-from vpf_sim.scenarios.opendrive.geometry import Geometry, read_geometry
+from vpf_sim.scenarios.opendrive.geometry import Cubic, Geometry, read_cubics, read_geometry
 from vpf_sim.scenarios.opendrive.lanes import LaneSection, is_for_side, read_section
 from vpf_sim.scenarios.opendrive.xml_file import Element, integer, number
 from vpf_sim.scenarios.parts import MOST_ROAD_M

@@ -7,7 +7,7 @@ import numpy as np
 
 from vpf_sim.scenarios.opendrive.carriageway import Carriageway, Stretch
 from vpf_sim.scenarios.opendrive.chain import Chain
-from vpf_sim.scenarios.opendrive.pieces import Piece
+from vpf_sim.scenarios.opendrive.spans import Piece
 from vpf_sim.types import Floats
 
 CLOSE_M = 0.01  # largest error of a width between two places

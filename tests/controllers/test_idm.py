@@ -10,9 +10,9 @@ from highway_env.vehicle.behavior import IDMVehicle
 
 from vpf_sim import drivers
 from vpf_sim.controllers.idm import Gains, load_gains
+from vpf_sim.envs.actor import ACTORS
 from vpf_sim.envs.ego import Ego
 from vpf_sim.envs.road import build_road
-from vpf_sim.envs.road_objects import ACTORS
 from vpf_sim.errors import InputError
 from vpf_sim.scenarios import Scenario, parse
 from vpf_sim.seeding import stream

@@ -8,8 +8,8 @@ from highway_env.road.lane import LineType
 
 from vpf_sim import scenarios
 from vpf_sim.envs.actor import Actor
+from vpf_sim.envs.contacts import distance
 from vpf_sim.envs.four_lane import FourLane
-from vpf_sim.envs.rectangles import distance
 from vpf_sim.errors import InputError
 from vpf_sim.scenarios.random_events import EVENTS
 

@@ -8,10 +8,10 @@ import pytest
 from highway_env.road.road import Road
 from highway_env.vehicle.objects import Landmark
 
+from vpf_sim.envs.actor import STATIC_OBSTACLES
+from vpf_sim.envs.contacts import clearance, corners, distance, free_ahead
 from vpf_sim.envs.ego import Ego
-from vpf_sim.envs.rectangles import clearance, corners, distance, free_ahead
 from vpf_sim.envs.road import build_road
-from vpf_sim.envs.road_objects import STATIC_OBSTACLES
 from vpf_sim.scenarios import load
 from vpf_sim.scenarios.kinds import SIZES, ObjectKind
 

@@ -7,8 +7,8 @@ import pytest
 from highway_env.road.road import Road
 
 from vpf_sim import scenarios
+from vpf_sim.envs.actor import ACTORS, STATIC_OBSTACLES, place_objects
 from vpf_sim.envs.road import build_road
-from vpf_sim.envs.road_objects import ACTORS, STATIC_OBSTACLES, place_objects
 from vpf_sim.scenarios import SIZES, Scenario
 
 BEND = """

@@ -7,7 +7,7 @@ import pytest
 
 from vpf_sim import scenarios
 from vpf_sim.envs.four_lane import FourLane
-from vpf_sim.envs.sensor_faults import CameraFaults, SignalFaults
+from vpf_sim.envs.sensors import CameraFaults, SignalFaults
 from vpf_sim.scenarios.parts import SensorFaults
 from vpf_sim.types import Floats, Image
 

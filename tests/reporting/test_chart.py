@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from vpf_sim import scenarios
+from vpf_sim.envs.contacts import solid_objects
 from vpf_sim.envs.four_lane import FourLane
-from vpf_sim.envs.rectangles import solid_objects
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.reporting import figures, paths
 from vpf_sim.reporting.kit import interval_chart

@@ -9,11 +9,11 @@ import numpy as np
 from highway_env.road.road import Road
 
 from vpf_sim import scenarios
+from vpf_sim.envs.actor import place_objects
 from vpf_sim.envs.camera import Renderer, Rig, Weather
 from vpf_sim.envs.camera.rig import preset
 from vpf_sim.envs.centre_line import CentreLine
 from vpf_sim.envs.road import build_road
-from vpf_sim.envs.road_objects import place_objects
 from vpf_sim.envs.sensors import Sensors
 from vpf_sim.evaluation.truth.true_motion import Shot
 from vpf_sim.scenarios import Scenario

@@ -10,7 +10,7 @@ from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.snapshot import Snapshot
 from vpf_sim.envs.camera.view import View
 from vpf_sim.envs.camera.weather import Weather
-from vpf_sim.envs.sensor_faults import SPEED, YAW_RATE, CameraFaults, SignalFaults
+from vpf_sim.envs.sensors import SPEED, YAW_RATE, CameraFaults, SignalFaults
 from vpf_sim.errors import InputError
 from vpf_sim.replay.recording import Frame, Origin, Recording
 from vpf_sim.scenarios.parts import SensorFaults

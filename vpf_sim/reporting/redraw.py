@@ -11,8 +11,8 @@ from math import isfinite
 from typing import Any
 
 from vpf_sim import drivers
+from vpf_sim.envs.contacts import solid_objects
 from vpf_sim.envs.four_lane import FourLane
-from vpf_sim.envs.rectangles import solid_objects
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.evaluation.episode.pose_playback import PosePlayback, rate_of

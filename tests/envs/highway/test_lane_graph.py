@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from highway_worlds import world
 
-from vpf_sim.envs.rectangles import corners
+from vpf_sim.envs.contacts import corners
 
 
 @pytest.mark.parametrize(("lanes", "lane"), [(2, 0), (3, 1), (5, 4)])

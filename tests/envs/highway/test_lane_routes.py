@@ -5,7 +5,7 @@ import pytest
 from highway_worlds import ROADS, original, scenario, world
 
 from vpf_sim import scenarios
-from vpf_sim.envs.highway.turns import turn_at
+from vpf_sim.envs.highway.path import turn_at
 from vpf_sim.envs.route import BEYOND_GOAL_M
 from vpf_sim.envs.world import build_world
 from vpf_sim.geometry import unwrapped

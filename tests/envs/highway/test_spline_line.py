@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vpf_sim.envs.highway.spline_line import SplineLine
+from vpf_sim.envs.highway.lanes import SplineLine
 from vpf_sim.geometry import unwrapped
 
 RADIUS_M = 30.0

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vpf_sim.envs.rectangles import corners
+from vpf_sim.envs.contacts import corners
 from vpf_sim.evaluation.truth import surroundings
 from vpf_sim.types import RoadEdges
 

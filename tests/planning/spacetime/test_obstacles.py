@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from made_scene import road, tracks
 
-from vpf_sim.envs.rectangles import distance
+from vpf_sim.envs.contacts import distance
 from vpf_sim.planning.spacetime.obstacles import Body, gaps
 from vpf_sim.scene import predict
 

@@ -8,7 +8,7 @@ from threading import Thread
 from types import TracebackType
 from typing import Any
 
-from vpf_sim.envs.rectangles import corners, nearest, solid_objects
+from vpf_sim.envs.contacts import corners, nearest, solid_objects
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.truth import surroundings
 from vpf_sim.evaluation.truth.perception_errors import PerceptionErrors

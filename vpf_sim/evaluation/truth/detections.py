@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from math import cos, hypot, nan, sin
 from typing import Any, NamedTuple
 
-from vpf_sim.envs.network import Network
-from vpf_sim.envs.rectangles import corners, solid_objects, to_local
+from vpf_sim.envs.contacts import corners, solid_objects, to_local
+from vpf_sim.envs.route import Network
 from vpf_sim.evaluation.metrics.perception import KINDS
 from vpf_sim.types import Obstacles
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from vpf_sim.envs.network import Network
-from vpf_sim.envs.rectangles import distance, to_local
+from vpf_sim.envs.contacts import distance, to_local
+from vpf_sim.envs.route import Network
 from vpf_sim.types import RoadEdges, VehicleModel
 
 BEFORE_M, AFTER_M = 25.0, 15.0  # the part of a route that counts as passing an obstacle
