@@ -1,6 +1,6 @@
 """Scores by dotted key, such as "accuracy.shadow.steering.range"; in JSON they are nested tables."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterator, Mapping
 from math import isfinite
 from sys import float_info
 from typing import Any
@@ -15,19 +15,31 @@ Json = dict[str, object]  # an object of a JSON file
 LARGEST = float_info.max
 
 
-def flat(table: Mapping[str, object]) -> dict[str, object]:
-    """The values of nested tables by dotted key; an empty table is a value."""
-    found: dict[str, object] = {}
+def flat(table: Mapping[str, object]) -> dict[str, Number]:
+    """The scores of nested tables by dotted key; ValueError for a value that is no finite number."""
+    found: dict[str, Number] = {}
     _flatten(table, "", found)
     return found
 
 
-def _flatten(table: Mapping[str, object], prefix: str, found: dict[str, object]) -> None:
-    for key, value in table.items():
-        if isinstance(value, dict) and value:
-            _flatten(value, f"{prefix}{key}.", found)
+def _flatten(table: Mapping[str, object], prefix: str, found: dict[str, Number]) -> None:
+    for name, value in table.items():
+        key = prefix + name
+        if value is None or (isinstance(value, (float, int)) and -LARGEST <= value <= LARGEST):
+            found[key] = value
+        elif isinstance(value, dict) and value:
+            _flatten(value, f"{key}.", found)
         else:
-            found[prefix + key] = value
+            raise ValueError(f"{key}: expected a valid number, got {shown(value)}")
+
+
+def leaves(table: Mapping[str, object], prefix: str = "") -> Iterator[tuple[str, object]]:
+    """The values of nested tables with their dotted keys; an empty table is a value."""
+    for name, value in table.items():
+        if isinstance(value, dict) and value:
+            yield from leaves(value, f"{prefix}{name}.")
+        else:
+            yield prefix + name, value
 
 
 def nested(values: Mapping[str, object]) -> Json:
@@ -47,17 +59,6 @@ def nested(values: Mapping[str, object]) -> Json:
         if value is not None or last not in inner:
             inner[last] = value
     return found
-
-
-def numbers(values: Mapping[str, object], tables: Iterable[str] = ()) -> dict[str, Number]:
-    """The values as scores; ValueError for one that is no finite number, or no table at one of the keys `tables`."""
-    for key, value in values.items():
-        if value is not None and not (isinstance(value, (float, int)) and -LARGEST <= value <= LARGEST):
-            raise ValueError(f"{key}: expected a valid number, got {shown(value)}")
-    for key in tables:
-        if values.get(key) is not None:
-            raise ValueError(f"{key}: expected a table of numbers, got {shown(values[key])}")
-    return dict(values)  # type: ignore[arg-type]
 
 
 def finite(value: Any) -> Any:

@@ -9,7 +9,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation.analysis.statistics import Difference, Interval
 from vpf_sim.evaluation.metrics.metric import Metric
 from vpf_sim.evaluation.metrics.records import Schema, checked
-from vpf_sim.evaluation.scores import Json, Number, flat, nested, numbers
+from vpf_sim.evaluation.scores import Json, Number, flat, leaves, nested
 
 
 class Cell(NamedTuple):
@@ -142,9 +142,9 @@ def _row(row: Json, where: str) -> Row:
     own = {key: row[key] for key in row.keys() & _OWN}
     scores = {key: row[key] for key in row.keys() - _OWN - {*_TABLES}}
     try:
-        ends = {key: _ends(key, value) for key, value in flat(_table(row, "intervals")).items()}
-        unsuccessful = numbers(flat(_table(row, "unsuccessful")))
-        values = {"scores": numbers(flat(scores)), "intervals": ends, "unsuccessful": unsuccessful}
+        ends = {key: _ends(key, value) for key, value in leaves(_table(row, "intervals"))}
+        unsuccessful = flat(_table(row, "unsuccessful"))
+        values = {"scores": flat(scores), "intervals": ends, "unsuccessful": unsuccessful}
     except ValueError as error:
         raise InputError(f"{where}.{error}") from None
     return checked(Row, {**own, **values}, where)

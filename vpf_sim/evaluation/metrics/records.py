@@ -10,11 +10,11 @@ from typing import TypeVar
 
 from pydantic import BaseModel, ConfigDict, SkipValidation, ValidationError
 
-from vpf_sim.errors import InputError, wrong_value
+from vpf_sim.errors import InputError, shown, wrong_value
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.metric import Metric
 from vpf_sim.evaluation.metrics.registry import MEASURES, TABLES
-from vpf_sim.evaluation.scores import Json, Number, flat, nested, numbers
+from vpf_sim.evaluation.scores import Json, Number, flat, nested
 from vpf_sim.evaluation.steps import InvalidFrame
 
 
@@ -108,7 +108,9 @@ def read_record(row: Json, file: str) -> Record:
     if "id" not in row:
         raise InputError(f"{file}: expected a record with an id on each line, got a line without")
     try:
-        values = numbers(flat({key: row[key] for key in row.keys() & _SCORED}), _TABLES)
+        values = flat({key: row[key] for key in row.keys() & _SCORED})
+        if wrong := next((key for key in _TABLES if values.get(key) is not None), None):
+            raise ValueError(f"{wrong}: expected a table of numbers, got {shown(values[wrong])}")
     except ValueError as error:
         raise InputError(f"{file}: {short(row['id'])}: {error}") from None
     own: Json = {key: row[key] for key in row.keys() & _OWN}

@@ -6,7 +6,7 @@ from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.metric import Driven
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.metrics.registry import MEASURES, collision_type
-from vpf_sim.evaluation.scores import finite, flat, numbers
+from vpf_sim.evaluation.scores import finite, flat
 from vpf_sim.evaluation.steps import InvalidFrame, Outcome
 from vpf_sim.types import Floats
 
@@ -22,7 +22,7 @@ def score(job: Job, outcome: Outcome, route: Floats, route_length_m: float) -> R
         **job._asdict(),
         status=outcome.status,
         steps=len(outcome.steps),
-        scores=numbers(flat(finite(measured))),
+        scores=flat(finite(measured)),
         invalid_frame=outcome.invalid_frame,
         collided_with=outcome.collided_with,
         collision_type=collision_type(driven),

@@ -10,6 +10,7 @@ from datetime import datetime
 from pathlib import Path
 
 from filelock import FileLock, Timeout
+from pydantic_core import from_json
 
 from vpf_sim import system
 from vpf_sim.errors import InputError, option
@@ -74,8 +75,8 @@ def _line(row: Json) -> bytes:
 
 def _row(path: Path, number: int, line: bytes) -> Json:
     try:
-        row = json.loads(line)
-    except (ValueError, RecursionError):
+        row = from_json(line, allow_inf_nan=True)  # twice as fast as json.loads
+    except ValueError:
         row = None
     if not isinstance(row, dict):
         raise InputError(f"{path}: line {number}: expected a JSON object, got {line[:40]!r}")
