@@ -27,14 +27,13 @@ class Ahead(vpf_sim.Driver):
     uses_images = False
     def act(self, observation): return vpf_sim.Command(0.5, 0.0)
 """
-SCRIPT = (
-    MODULE
-    + """
+SCRIPT = f"""{MODULE}
 print("begins")
-run = vpf_sim.sweep("short.toml", driver=[{drivers}], seeds="0:2", {options})
-print(sorted(run.records["status"]), run.timing["process"].nunique())
+for driver, options in (("pid", {{"workers": 2, "progress": False}}), ([Ahead, Ahead(), "pid"], {{"out": "mine"}})):
+    run = vpf_sim.sweep("short.toml", driver=driver, seeds="0:2", **options)
+    print(run.records["status"].value_counts().to_dict(), run.timing["process"].nunique())
+vpf_sim.sweep("short.toml", driver=Ahead, seeds="0:2", workers=2, out="refused")
 """
-)
 
 
 class Speed(vpf_sim.Driver):
@@ -76,9 +75,9 @@ WEATHERS = ("clear", "rain")
 
 
 def test_workers_drive_a_class_that_they_can_import(short: Path) -> None:
-    run = sweep(short, [OwnPid, "neutral"], workers=2)
+    run = sweep(short, OwnPid, seeds=[0], workers=2)
     assert os.getpid() not in set(run.timing["process"])
-    assert read_manifest(run.path).plan["driver"] == [f"{__name__}:OwnPid", "neutral"]
+    assert read_manifest(run.path).plan["driver"] == [f"{__name__}:OwnPid"]
 
 
 class OwnPid(RouteDriver):
@@ -90,52 +89,46 @@ def test_an_instance_is_driven_in_this_process(short: Path) -> None:
     assert set(sweep(short, [Speed(0.6), "neutral"]).timing["process"]) == {os.getpid()}
 
 
-def script(folder: Path, drivers: str, options: str) -> "subprocess.CompletedProcess[str]":
-    (folder / "script.py").write_text(SCRIPT.format(drivers=drivers, options=options))
-    command = [sys.executable, "script.py"]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+@pytest.fixture(scope="module")
+def scripted(tmp_path_factory: pytest.TempPathFactory) -> "tuple[Path, subprocess.CompletedProcess[str]]":
+    """A script's folder, from which the script is gone, and what it has printed."""
+    folder = write_short(tmp_path_factory.mktemp("script")).parent
+    (folder / "script.py").write_text(SCRIPT)
+    done = subprocess.run([sys.executable, "script.py"], cwd=folder, capture_output=True, text=True, check=False)
+    (folder / "script.py").unlink()
+    return folder, done
 
 
-def test_a_script_needs_no_guard(short: Path) -> None:
-    """Workers do not run a user's script again."""
-    done = script(short.parent, "'pid'", "workers=2, progress=False")
-    assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout == "begins\n['success', 'success'] 2\n"
+def test_a_script_needs_no_guard_and_its_own_classes_drive(scripted: Any) -> None:
+    """Workers do not run a user's script again; what they cannot make drives in the script's process, and is shown."""
+    _, done = scripted
+    assert done.stdout.splitlines() == ["begins", "{'success': 2} 2", "{'success': 6} 1"]
+    assert [line.split()[0] for line in done.stderr.splitlines()[:6]] == [f"{k}/6" for k in range(1, 7)]
 
 
-def test_a_class_of_a_script_is_driven_and_shown(short: Path) -> None:
-    done = script(short.parent, "Ahead", "")
-    assert done.stdout == "begins\n['success', 'success'] 1\n"
-    assert [line.split()[0] for line in done.stderr.splitlines()] == ["1/2", "2/2"]
-
-
-def test_a_class_of_a_script_is_refused_for_workers(short: Path) -> None:
-    done = script(short.parent, "Ahead", "workers=2")
+def test_a_class_of_a_script_is_refused_for_workers(scripted: Any) -> None:
+    folder, done = scripted
     assert done.returncode == 1
     assert done.stderr.splitlines()[-1] == (
         "vpf_sim.errors.InputError: workers: driver '__main__:Ahead': other processes cannot make it; "
         "give a class that a module defines, without a key"
     )
-    assert not (short.parent / "runs").exists()
+    assert not (folder / "refused").exists()
 
 
-def test_a_run_of_a_script_needs_the_script_no_more(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_run_of_a_script_needs_the_script_no_more(
+    scripted: Any, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     """Its drivers are found by no command, so none names them."""
-    assert script(short.parent, "Ahead, Ahead(), 'pid'", "out='mine'").returncode == 0
-    (short.parent / "script.py").unlink()
+    monkeypatch.chdir(scripted[0])
     Path("mine/summary.json").unlink()
     for command in ("report", "results", "score"):
         assert cli.run([command, "mine"]) == 0
         said = capsys.readouterr()
         assert "unknown" not in said.out + said.err
         assert "--driver __main__" not in said.out
-    assert "--driver pid --seeds 0:2" in Path("mine/report.html").read_text("utf-8") + results_of("mine", capsys)
+        assert command != "results" or "--driver pid --seeds 0:2" in said.out
     assert set(vpf_sim.Run("mine").table["privileged"]) == {"none", "route"}
-
-
-def results_of(run: str, capsys: pytest.CaptureFixture[str]) -> str:
-    assert cli.run(["results", run]) == 0
-    return capsys.readouterr().out
 
 
 class Layers(Speed):
@@ -149,6 +142,7 @@ def test_an_iterable_driver_is_one_driver(short: Path) -> None:
     assert set(sweep(short, Layers()).records["driver"]) == {f"{__name__}:Layers()"}
 
 
+@pytest.mark.usefixtures("in_one_process")
 def test_python_is_told_how_to_go_on_in_python(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
     module = f"{__name__}:Speed"
     with pytest.raises(OSError, match="parquet"), limited(3000):
@@ -265,6 +259,7 @@ def test_an_error_before_the_first_episode_leaves_no_folder_that_blocks(
     assert len(sweep(short, Speed(), out="mine", seeds=[4]).records) == 1
 
 
+@pytest.mark.usefixtures("in_one_process")
 def test_a_sweep_is_resumed(short: Path) -> None:
     run = sweep(short, "neutral", seeds=range(1), out="mine")
     refusal = r"^mine: expected an empty or new run folder, choose another out, or resume what is there$"

@@ -28,6 +28,8 @@ from vpf_sim import cli
         (["sweep", "--seeds", "5"], "--seeds: expected A:B with whole numbers, such as 1000:1030, got '5'"),
         (["sweep", "--seeds", "0:99999999999999"], "--seeds: expected at most 1000000 seeds, got '0:99999999999999'"),
         (["sweep", "--scenario", "twon04"], "unknown scenario 'twon04': did you mean 'town04'?"),
+        (["sweep", "--dry-run", "--weather", "claer"], "unknown weather 'claer': did you mean 'clear'?"),
+        (["sweep", "--dry-run", "--workers", "2", "--cluster", "tcp://x:1"], "--workers: expected --workers or --clus"),
         (["sweep", "--workers", "0"], "Invalid value for '--workers'"),
         (["sweep", "--resume"], "--resume: expected the folder of the run in --out, got none"),
         (["sweep", "--resume", "--out", "gone"], "gone: --resume: expected the folder of a run, found nothing"),
@@ -63,12 +65,6 @@ def test_wrong_use_is_one_clear_line(
     assert said.err.startswith(f"vpf-sim: {sentence}")
     assert said.err.count("\n") == 1
     assert list(tmp_path.iterdir()) == [], "nothing is left behind"
-
-
-def test_a_run_folder_is_not_overwritten(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    (tmp_path / "thesis.tex").write_text("")
-    assert cli.run(["drive", "straight", "--driver", "pid", "--out", str(tmp_path)]) == 2
-    assert "expected an empty or new run folder" in capsys.readouterr().err
 
 
 def test_watch_is_refused_without_a_display(

@@ -54,19 +54,3 @@ def test_stored_episodes_are_left_out(folder: Path, capsys: pytest.CaptureFixtur
     said = capsys.readouterr().out
     assert "4 episodes to drive in 2 cells, 2 are stored" in said
     assert {path: path.read_bytes() for path in (folder / "run").iterdir()} == before
-
-
-@pytest.mark.parametrize(
-    ("more", "sentence"),
-    [
-        (["--weather", "claer"], "unknown weather 'claer': did you mean 'clear'?"),
-        (["--driver", "pdi"], "unknown driver 'pdi': did you mean 'pid'?"),
-        (["--out", "."], ".: expected an empty or new run folder, got other files"),
-        (["--workers", "2", "--cluster", "tcp://x:1"], "--workers: expected --workers or --cluster, got both"),
-    ],
-)
-def test_what_a_sweep_would_refuse_is_refused(
-    more: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert cli.run([*GRID, *more]) == 2
-    assert capsys.readouterr().err.startswith(f"vpf-sim: {sentence}")

@@ -45,14 +45,13 @@ def test_a_drive_that_did_not_arrive_has_no_figures_of_its_path(
     assert "it did not arrive" in said
 
 
+@pytest.mark.usefixtures("in_one_process")
 def test_a_table_names_files_without_their_folders_and_shows_no_figures_of_lost_drives(
     short: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     short.write_text(SHORT + '[[bodies]]\nkind = "barrier"\ns_m = 9.0\nlane = 2\n')
     (tmp_path / "damp.toml").write_text('base = "ClearNoon"\nwetness = 40.0\n')
-    run = vpf_sim.sweep(
-        short, driver=["pure-pursuit"], weather=tmp_path / "damp.toml", seeds="0:1", workers=1, progress=False
-    )
+    run = vpf_sim.sweep(short, driver=["pure-pursuit"], weather=tmp_path / "damp.toml", seeds="0:1", progress=False)
     (row,) = run.summary()["rows"]
     assert row["successes"] == 0
     assert row["unsuccessful"]["path_mse_m2"] is not None

@@ -17,6 +17,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation.sweeps.run_folder import write_json
 from vpf_sim.reporting.run_data import RunData, open_run
 
+pytestmark = pytest.mark.usefixtures("in_one_process")
 SMALL = ["--format", "minari", "--size", "32x24", "--grey"]
 
 

@@ -141,7 +141,7 @@ def test_a_camera_that_does_not_show_the_road_is_no_fault(camera: Camera) -> Non
 
 def test_it_arrives_on_a_straight_road(tmp_path: Path) -> None:
     path = tmp_path / "short.toml"
-    path.write_text('schema = 1\nbase = "straight"\n[goal]\ns_m = 65.0\n')
+    path.write_text('schema = 1\nbase = "straight"\n[goal]\ns_m = 35.0\n')
     found = episode.run(str(path), "clear", "dominant-plane", 0)
     assert found.record.succeeded
     assert found.record.scores["max_lane_offset_m"] < 1.0

@@ -32,9 +32,14 @@ def test_the_cloned_policy_has_not_seen_the_seeds_of_its_evaluation() -> None:
     assert parse_seeds(training.seeds).stop <= 900, "900 to 999 are for its development, the others for its evaluation"
 
 
-@pytest.mark.parametrize("weather", ["clear", "rain"])
 @pytest.mark.parametrize(
-    ("driver", "base"), [("learned-bc", "curve-left"), ("learned-bc", "curve-right"), ("learned-ppo", "curve-left")]
+    ("driver", "base", "weather"),
+    [
+        ("learned-bc", "curve-left", "rain"),
+        ("learned-bc", "curve-right", "clear"),
+        ("learned-ppo", "curve-left", "clear"),
+        ("learned-ppo", "curve-left", "rain"),
+    ],
 )
 def test_it_follows_a_bend(driver: str, base: str, weather: str, tmp_path: Path) -> None:
     path = tmp_path / "bend.toml"

@@ -67,7 +67,7 @@ def test_it_brakes_for_a_wall_that_comes_near(ttc_s: float, alarms: bool) -> Non
 
 def test_it_arrives_in_a_bend(tmp_path: Path) -> None:
     path = tmp_path / "bend.toml"
-    path.write_text('schema = 1\nbase = "curve-left"\n[ego]\ns_m = 45.0\n[goal]\ns_m = 130.0\n')
+    path.write_text('schema = 1\nbase = "curve-left"\n[ego]\ns_m = 45.0\n[goal]\ns_m = 95.0\n')
     found = episode.run(str(path), "clear", "lane-lines", 0)
     assert found.record.succeeded
     assert found.record.scores["max_lane_offset_m"] < 0.5

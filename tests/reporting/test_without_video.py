@@ -13,6 +13,9 @@ from vpf_sim.reporting import video
 INSTALL = "expected PyAV, which is not installed: pip install 'vpf_sim[video]'"
 
 
+pytestmark = pytest.mark.usefixtures("in_one_process")
+
+
 @pytest.fixture(autouse=True)
 def without_pyav(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(video, "av", None)

@@ -87,29 +87,17 @@ def test_turns_are_told_only_on_highway_envs_roads() -> None:
         assert read(observed).turn == "lane"
 
 
+@pytest.mark.usefixtures("in_one_process")
 def test_a_sweep_is_resumed_and_scored_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, out = tmp_path / "mine.toml", tmp_path / "run"
     path.write_text(SHORT)
-    grid = [
-        "--scenario",
-        str(path),
-        "--driver",
-        "pid",
-        "--driver",
-        "idm",
-        "--seeds",
-        "0:2",
-        "--workers",
-        "1",
-        "--out",
-        str(out),
-    ]
-    assert cli.run(["sweep", *grid]) == 0
+    grid = ["--scenario", str(path), "--driver", "pid", "--driver", "idm", "--seeds", "0:2"]
+    assert cli.run(["sweep", *grid, "--out", str(out)]) == 0
     records = read_lines(out / "episodes.jsonl")
     assert [record["status"] for record in records] == ["success"] * 4
     lines = (out / "episodes.jsonl").read_text("utf-8").splitlines(keepends=True)
     (out / "episodes.jsonl").write_text("".join(lines[:2]), "utf-8")
-    assert cli.run(["sweep", "--out", str(out), "--resume", "--workers", "1"]) == 0
+    assert cli.run(["sweep", "--out", str(out), "--resume"]) == 0
     assert sorted(read_lines(out / "episodes.jsonl"), key=lambda record: record["id"]) == sorted(
         records, key=lambda record: record["id"]
     )

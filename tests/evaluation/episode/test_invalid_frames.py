@@ -37,6 +37,7 @@ class Driver:
 SENTENCE = "invalid frame 19, at 0.317 s: all black"
 
 
+@pytest.mark.usefixtures("in_one_process")
 @pytest.mark.parametrize(
     "command",
     [["drive", "short.toml"], ["sweep", "--scenario", "short.toml", "--seeds", "0:1", "--workers", "1"]],

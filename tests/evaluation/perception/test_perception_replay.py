@@ -182,6 +182,7 @@ def test_a_deviating_car_is_moved_to_the_stored_pose(drive: replay.StoredDrive, 
     assert found.remarks == ("the car would now deviate by up to 0.50 m; its stored poses are used",)
 
 
+@pytest.mark.usefixtures("in_one_process")
 def test_the_command_scores_stores_and_compares(
     run: Path,
     drive: replay.StoredDrive,
@@ -191,7 +192,7 @@ def test_the_command_scores_stores_and_compares(
 ) -> None:
     before, out = tmp_path / "before.json", tmp_path / "new" / "table.json"
     store.write(before, scores.table([evaluation]))
-    command = ["perception", str(run), "--workers", "1", "--against", str(before), "--out", str(out), "--json"]
+    command = ["perception", str(run), "--against", str(before), "--out", str(out), "--json"]
     assert cli.run(command) == 0
     said = capsys.readouterr()
     told = json.loads(said.out)
@@ -240,6 +241,7 @@ def test_wrong_use_is_one_line(
     assert (said.err.count("\n"), said.out) == (1, "")
 
 
+@pytest.mark.usefixtures("in_one_process")
 def test_the_fixed_set_is_driven_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -248,7 +250,7 @@ def test_the_fixed_set_is_driven_once(
     monkeypatch.chdir(tmp_path)
     lines = []
     for _ in range(2):
-        assert cli.run(["perception", "--id", "other", "--workers", "1"]) == 2
+        assert cli.run(["perception", "--id", "other"]) == 2
         lines.append(capsys.readouterr().err.splitlines())
     (folder,) = (tmp_path / "runs").iterdir()
     assert lines[0][0] == f"driving the 1 drives of the fixed set once: runs/{folder.name}"

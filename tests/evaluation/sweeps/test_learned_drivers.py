@@ -6,6 +6,7 @@ from pathlib import Path
 
 import policies
 import pytest
+from one_process import one_process
 from short_scenario import write_short
 
 import vpf_sim
@@ -25,7 +26,7 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> Path:
     manifest = policies.MANIFEST.partition("[state]")[0].replace("[image]", "[image]\ndeviation = 2550.0")
     policies.write(folder / "models", policies.ends_of_the_picture(), manifest, inputs=[("image", policies.IMAGE)])
     write_short(folder)
-    with pytest.MonkeyPatch.context() as patch:
+    with pytest.MonkeyPatch.context() as patch, one_process():
         patch.chdir(folder)
         assert sweep("--workers", "1", "--out", "run") == 0
     return folder
@@ -66,6 +67,7 @@ def test_a_run_is_scored_from_any_directory_and_without_the_model(
     assert (row["driver"], row["privileged"]) == (NAME, "none")
 
 
+@pytest.mark.usefixtures("in_one_process")
 def test_a_stopped_run_is_resumed(folder: Path) -> None:
     whole = lines("run")
     (folder / "run" / "episodes.jsonl").write_text(whole[0] + "\n")
@@ -114,6 +116,7 @@ def test_a_policy_is_described_by_its_manifest(folder: Path, capsys: pytest.Capt
     assert cli.run(["drivers", "validate", NAME]) == 0
 
 
+@pytest.mark.usefixtures("in_one_process")
 def test_a_policy_is_compared_with_other_drivers_from_python(folder: Path) -> None:  # noqa: ARG001
     run = vpf_sim.sweep("short.toml", driver=[NAME, "pid"], seeds="0:1", workers=1, progress=False)
     assert sorted(run.table["driver"]) == [NAME, "pid"]

@@ -6,6 +6,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from one_process import one_process
 from short_scenario import SHORT
 from stored import record, store
 
@@ -16,6 +17,7 @@ from vpf_sim.evaluation.sweeps.plan import make_plan
 from vpf_sim.evaluation.sweeps.run_folder import located
 from vpf_sim.reporting.run_data import open_run
 
+pytestmark = pytest.mark.usefixtures("in_one_process")
 NAME = "short.toml"
 DRIVERS = {"neutral", "vpf@mine.toml"}
 
@@ -27,11 +29,9 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (root / NAME).write_text(SHORT.replace("s_m = 11.0", "s_m = 6.0"))
     (root / "wet.toml").write_text('base = "ClearNoon"\nwetness = 40.0\n')
     (root / "mine.toml").write_text('base = "robust"\n')
-    with pytest.MonkeyPatch.context() as patch:
+    with pytest.MonkeyPatch.context() as patch, one_process():
         patch.chdir(root)
-        vpf_sim.sweep(
-            NAME, weather="wet.toml", driver=sorted(DRIVERS), seeds="0:1", out="run", workers=1, progress=False
-        )
+        vpf_sim.sweep(NAME, weather="wet.toml", driver=sorted(DRIVERS), seeds="0:1", out="run", progress=False)
     return root
 
 
@@ -69,7 +69,7 @@ def test_a_report_draws_the_paths_and_claims_no_change(elsewhere: Path, capsys: 
 def test_what_drivers_perceive_is_measured_on_the_frames_of_the_run(
     elsewhere: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert cli.run(["perception", str(elsewhere), "--workers", "1"]) == 0
+    assert cli.run(["perception", str(elsewhere)]) == 0
     assert "2/2 short" in capsys.readouterr().err
 
 

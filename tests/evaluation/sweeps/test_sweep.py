@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from one_process import one_process
 from short_scenario import write_short
 from systems import POSIX_ONLY
 
@@ -53,8 +54,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def undisturbed(folder: Path) -> Path:
-    """A sweep with one worker, to its end."""
-    assert cli.run(command(folder, folder / "serial", "--workers", "1")) == 0
+    """A sweep in this process, to its end."""
+    with one_process():
+        assert cli.run(command(folder, folder / "serial")) == 0
     return folder / "serial"
 
 
@@ -113,7 +115,8 @@ def test_ctrl_c_stops_and_prints_the_resume_command(
     assert "Traceback" not in said
     go_on = ["sweep", "--out", str(out), "--resume", "--workers", "1"]
     assert f"go on with: vpf-sim {' '.join(go_on)}\n" in said
-    assert cli.run([*go_on, "--json"]) == 0
+    with one_process():
+        assert cli.run([*go_on, "--json"]) == 0
     assert contents(out) == contents(undisturbed)
     assert json.loads(capsys.readouterr().out)["rows"] == json.loads((out / "summary.json").read_text())["rows"]
 
