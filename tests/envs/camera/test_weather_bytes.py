@@ -52,6 +52,7 @@ def test_the_same_seed_gives_the_same_bytes_and_another_does_not(here: dict[str,
     assert digest(name, 8) != here[name]
 
 
+@pytest.mark.slow
 def test_a_fresh_process_gives_the_same_bytes(here: dict[str, str]) -> None:
     command = [sys.executable, "-c", ALONE]
     done = subprocess.run(command, cwd=Path(__file__).parent, capture_output=True, text=True, check=True)

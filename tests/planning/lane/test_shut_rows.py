@@ -29,8 +29,10 @@ PEDESTRIAN_BETWEEN_TRUCKS = (
 )
 
 
-@pytest.mark.parametrize("curvature_per_m", [0.0, 0.005, -0.005])
-@pytest.mark.parametrize("bodies", [PALLET_AND_CONE, PEDESTRIAN_BETWEEN_TRUCKS])
+@pytest.mark.parametrize(
+    ("bodies", "curvature_per_m"),
+    [(PALLET_AND_CONE, 0.0), (PALLET_AND_CONE, 0.005), (PEDESTRIAN_BETWEEN_TRUCKS, -0.005)],
+)
 def test_a_row_that_is_shut_behind_its_first_is_passed_on_the_free_side(
     bodies: tuple[Body, ...], curvature_per_m: float
 ) -> None:
