@@ -17,13 +17,14 @@ import pytest
 import recorded_layouts as layouts
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from malformed import RULES, SCENARIO, WEATHER
+from malformed import RULES, SCENARIO, SWEEP, WEATHER
 from systems import at_most
 
 from vpf_sim import scenarios
 from vpf_sim.envs.camera import weather
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.gate import rules
+from vpf_sim.evaluation.sweeps.plan import make_plan, read_plan
 from vpf_sim.planning import variant
 from vpf_sim.replay import drive_file, plausible, readers
 from vpf_sim.replay.recording import Recording
@@ -101,6 +102,11 @@ KINDS = {
         RANDOM_SCENARIO, lambda path: scenarios.load(str(path)), lambda one: without_none(one.model_dump(by_alias=True))
     ),
     "weather": Kind(WEATHER, lambda path: weather.load(str(path)), lambda one: without_none(one.model_dump())),
+    "sweep": Kind(
+        SWEEP,
+        lambda path: make_plan(read_plan(path), str(path)),
+        lambda one: {key: value for key, value in asdict(one).items() if key != "drives"},
+    ),
     "rules": Kind(RULES, rules.read_rules, lambda found: {"rules": [without_none(asdict(one)) for one in found]}),
     "variant": Kind(VARIANT, lambda path: variant.load(str(path)), lambda one: with_none(asdict(one))),
 }

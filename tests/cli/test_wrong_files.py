@@ -243,6 +243,25 @@ def test_a_missing_file_is_named(kind: str, folder: Path, tmp_path: Path, capsys
     assert f"{tmp_path / 'gone.toml'}: expected a readable" in capsys.readouterr().err
 
 
+NO_TOML = [
+    b"<?xml?>\n",
+    b"\x1f\x8b\x08\x00" * 40,
+    b"base = \xff\xfe",
+    b"more = " + b"[" * 20_000,
+    b"x = " + b"9" * 5000,
+]
+
+
+@pytest.mark.parametrize("kind", FORMATS)
+@pytest.mark.parametrize("content", NO_TOML, ids=["xml", "archive", "utf-16", "deep", "long"])
+def test_a_file_that_is_something_else_is_one_line(
+    kind: str, content: bytes, folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (said,) = refused(kind, content.decode("latin-1"), folder, tmp_path / "mine.toml", capsys)
+    assert said.startswith(f"vpf-sim: {tmp_path / 'mine.toml'}: ")
+    assert len(said) < 1000
+
+
 def test_the_changed_files_are_valid_before_the_change(tmp_path: Path) -> None:
     (tmp_path / "mine.toml").write_text(SCENARIO)
     assert cli.run(["scenarios", "validate", str(tmp_path / "mine.toml")]) == 0
