@@ -94,8 +94,8 @@ def test_a_drive_that_stands_for_long_ends(tmp_path: Path) -> None:
     assert found.labels[-1, 0] > 0.5, "the expert would drive on"
 
 
-def test_processes_drive_the_same(tmp_path: Path) -> None:  # noqa: ARG001
-    seeds = range(EMPTY_ROAD, EMPTY_ROAD + 2)
+def test_another_process_drives_the_same() -> None:
+    seeds = range(EMPTY_ROAD, EMPTY_ROAD + 1)
     found = [*collect(seeds, 0.0, None, MANIFEST, 4, workers=2)]
     for seed, one in zip(seeds, found, strict=True):
         alone = drive((seed, 0.0, None, MANIFEST, 4))

@@ -2,14 +2,10 @@
 
 import pytest
 
-from vpf_sim.cli.tables import in_one_line, print_table
+from vpf_sim.cli.tables import print_table
 
 
 def test_a_row_is_one_line_for_any_name(capsys: pytest.CaptureFixture[str]) -> None:
     print_table(("drive", "frames"), [("a\nb\x1b[31m", "3"), ("Köln", "5")])
     lines = capsys.readouterr().out.splitlines()
     assert [line.split() for line in lines[2:]] == [["a\\nb\\x1b[31m", "3"], ["Köln", "5"]]
-
-
-def test_printable_characters_are_unchanged() -> None:
-    assert in_one_line('say "hi" in Köln') == 'say "hi" in Köln'

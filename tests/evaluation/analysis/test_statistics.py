@@ -1,7 +1,6 @@
 """Coverage of intervals on synthetic data, and tests whose p is known in closed form."""
 
 from functools import lru_cache
-from itertools import product
 
 import numpy as np
 import pytest
@@ -56,14 +55,6 @@ def test_the_bootstrap_of_five_values_is_not_the_narrow_one() -> None:
 
 
 @pytest.mark.usefixtures("quick")
-def test_the_bootstrap_of_skewed_values_is_skewed_as_they_are() -> None:
-    samples = RANDOM.exponential(1.0, (1500, 30))
-    assert coverage(samples, 1.0) >= 0.91
-    ends, means = np.array(intervals(samples)), samples.mean(axis=1)
-    assert np.mean(ends[:, 1] - means) > 1.2 * np.mean(means - ends[:, 0])
-
-
-@pytest.mark.usefixtures("quick")
 def test_a_normal_means_interval_is_as_wide_as_students() -> None:
     samples = RANDOM.normal(0.0, 1.0, (500, 30))
     students = 2.0 * stats.t.ppf(0.975, 29) * samples.std(axis=1, ddof=1) / np.sqrt(30.0)
@@ -103,13 +94,6 @@ def test_values_without_spread_have_no_interval() -> None:
     assert mean_interval(np.array([3.0])) is None
     assert mean_interval(np.full(30, 1.0)) is None
     assert mean_interval(np.array([1.0, 2.0])) == (1.0, 2.0), "of two values nothing is known beyond them"
-
-
-def test_one_in_thirty() -> None:
-    """The rarest event that thirty episodes can show: its share is somewhere between none and a sixth."""
-    low, high = mean_interval(np.arange(30) == 0) or (1.0, 0.0)
-    assert low == 0.0
-    assert 0.1 < high < 0.2
 
 
 @pytest.mark.parametrize("episodes", [1, 5, 30, 300])
@@ -168,15 +152,6 @@ def test_paired_differences_detect_more_than_unpaired_means() -> None:
     assert one is not None
     assert other is not None
     assert one.low < other.high
-
-
-def test_the_permutation_test_has_its_nominal_error_rate() -> None:
-    """Without a difference all sign patterns are as likely: over the 64 of six pairs p <= 2 k / 64 for 2 k of them."""
-    sizes = RANDOM.exponential(1.0, 6)
-    patterns = [np.array(signs) for signs in product((-1.0, 1.0), repeat=6)]
-    found = [paired_difference(signs * sizes, np.zeros(6)) for signs in patterns]
-    chances = sorted(test.p for test in found if test is not None)
-    assert chances == pytest.approx(np.repeat(np.arange(1, 33) / 32.0, 2))
 
 
 def test_one_pair_has_no_interval() -> None:
