@@ -30,8 +30,9 @@ def test_a_car_that_comes_towards_us_is_in_its_own_lane(speed_mps: float) -> Non
     assert all((found.right_m > -1.75).all() for found in mistaken)
 
 
-@pytest.mark.parametrize(("width_m", "points"), [(0.6, 8), (0.5, 4), (1.8, 16)])
-@pytest.mark.parametrize("right_m", [-1.3, -0.4, 0.7])
+@pytest.mark.parametrize(
+    ("right_m", "width_m", "points"), [(-1.3, 0.6, 8), (-1.3, 1.8, 16), (-0.4, 0.5, 4), (0.7, 0.5, 4), (0.7, 1.8, 16)]
+)
 def test_what_stands_beside_the_solid_line_is_reported_as_soon(right_m: float, width_m: float, points: int) -> None:
     """As on a road of one direction."""
     standing = body(40.0, right_m, width_m, 1.7, points)

@@ -123,10 +123,12 @@ def test_the_lane_is_known_by_the_edges_and_not_by_habit(lane: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("lanes", "width", "lane"),
-    [(1, 3.5, 1), (2, 3.0, 1), (2, 3.75, 2), (3, 3.25, 3), (4, 3.0, 1), (5, 3.5, 3), (6, 3.6, 1)],
+    ("lanes", "width", "lane", "curvature"),
+    [
+        *((1, 3.5, 1, 0.0), (2, 3.0, 1, 0.0), (2, 3.75, 2, 0.008), (3, 3.25, 3, 0.0)),
+        *((4, 3.0, 1, 0.008), (5, 3.5, 3, 0.0), (6, 3.6, 1, 0.0), (6, 3.6, 1, 0.008)),
+    ],
 )
-@pytest.mark.parametrize("curvature", [0.0, 0.008])
 def test_the_number_of_lanes_and_their_width_are_seen(lanes: int, width: float, lane: int, curvature: float) -> None:
     """An edge is known where the patch of road that is looked at shows it."""
     half = 0.5 * lanes * width

@@ -26,7 +26,7 @@ def test_faint_lines_are_followed_in_hard_rain(look: str, seed: int) -> None:
     scenario = f"schema = 1\n[random]\nrows = [0, 0]\n[random.look]\n{look}\n[ego]\nlane = 2\nspeed_mps = 5.55\n"
     errors_m = [
         np.subtract(perceived_edges(edges), true_edges(env.ego, env.road.network))
-        for edges, env in followed(scenario, "rain", seed, 420)
+        for edges, env in followed(scenario, "rain", seed, 300)
     ]
     assert np.mean(np.abs(errors_m).max(axis=1) > 0.5) < 0.02
 

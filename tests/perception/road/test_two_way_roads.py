@@ -7,7 +7,7 @@ from followed_road import followed
 from vpf_sim.types import RoadEdges
 
 WEATHERS = ("clear", "rain", "ClearNight")
-BEGINS, ENDS = 150, 300  # frames; 14 m are enough to know the road
+BEGINS, ENDS = 150, 220  # frames; 14 m are enough to know the road
 
 
 def tracked(scenario: str, weather: str, seed: int) -> list[RoadEdges]:
