@@ -34,8 +34,7 @@ def minari_set(driven: Driven, tmp_path_factory: pytest.TempPathFactory) -> Path
 
 @pytest.fixture(scope="session")
 def small_set(driven: Driven, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Minari's, small and grey, with ground truth."""
+    """Minari's, small and grey, with ground truth, drawn in another process."""
     truth = ("depth", "flow", "foe")
     out = tmp_path_factory.mktemp("sets") / "small"
-    with one_process():
-        return vpf_sim.export(driven.path, "minari", out=out, size=SIZE, grey=True, truth=truth, workers=1).path
+    return vpf_sim.export(driven.path, "minari", out=out, size=SIZE, grey=True, truth=truth, workers=1).path

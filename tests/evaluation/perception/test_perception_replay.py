@@ -182,7 +182,6 @@ def test_a_deviating_car_is_moved_to_the_stored_pose(drive: replay.StoredDrive, 
     assert found.remarks == ("the car would now deviate by up to 0.50 m; its stored poses are used",)
 
 
-@pytest.mark.usefixtures("in_one_process")
 def test_the_command_scores_stores_and_compares(
     run: Path,
     drive: replay.StoredDrive,
@@ -192,7 +191,7 @@ def test_the_command_scores_stores_and_compares(
 ) -> None:
     before, out = tmp_path / "before.json", tmp_path / "new" / "table.json"
     store.write(before, scores.table([evaluation]))
-    command = ["perception", str(run), "--against", str(before), "--out", str(out), "--json"]
+    command = ["perception", str(run), "--workers", "1", "--against", str(before), "--out", str(out), "--json"]
     assert cli.run(command) == 0
     said = capsys.readouterr()
     told = json.loads(said.out)
