@@ -5,7 +5,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from vpf_sim.evaluation.processes import pool
+from vpf_sim.evaluation import pool
 
 
 @contextmanager
