@@ -32,7 +32,8 @@ class SceneDriver(Driver):
         observation = self._measured(observation)
         perception = self._perceiver.perceive(observation)
         if self._perceiver.has_processed:
-            call("tracking", self._scene.observe, perception, observation, self._perceiver.frame.crossers)
+            frame = self._perceiver.frame
+            call("tracking", self._scene.observe, perception, observation, frame.crossers, frame.points)
         if self._follower.is_due(observation.time_s):
             call("plan", self._replan, perception, observation)
         return call("control", self._follow, perception, observation)

@@ -8,9 +8,10 @@ from math import cos, hypot, sin
 
 import numpy as np
 
+from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.object_sizes import ObjectSizes
 from vpf_sim.perception.obstacles.crossing import Crossers
-from vpf_sim.scene.measurements import of_crossers, of_obstacles
+from vpf_sim.scene.measurements import of_crossers, of_obstacles, support
 from vpf_sim.scene.road import Road
 from vpf_sim.scene.scene import EgoState, Scene
 from vpf_sim.scene.tracker import SceneTracker, TrackTable
@@ -38,8 +39,14 @@ class CameraScene:
         self._s_m = 0.0
         self.road: Road | None = None
 
-    def observe(self, perception: Perception, observation: Observation, crossers: Crossers | None = None) -> None:
-        """Bring road and tracks to a processed frame."""
+    def observe(
+        self,
+        perception: Perception,
+        observation: Observation,
+        crossers: Crossers | None = None,
+        points: Triangulation | None = None,
+    ) -> None:
+        """Bring road and tracks to a processed frame; `points` are those of its flow, triangulated."""
         s, _ = self.place(observation)
         before, self.road = self.road, road_of(perception.road, observation.pose, s)
         dt_s = way_m = 0.0
@@ -49,7 +56,11 @@ class CameraScene:
             self._tracker.carry(before, self.road)
             self._tracker.predict(dt_s)
         self._last = observation
-        found = of_obstacles(perception.obstacles, observation.pose, self.road, s, self._sizes)
+        obstacles = perception.obstacles
+        odds = np.full(len(obstacles), np.nan)
+        if points is not None and len(obstacles):
+            odds = support(obstacles, points, self._camera_m, observation.speed_mps)
+        found = of_obstacles(obstacles, odds, observation.pose, self.road, s, self._sizes)
         if crossers is not None and len(crossers):
             found = found.joined(of_crossers(crossers, self._camera_m, observation.pose, self.road, s))
         fresh = min(max(way_m / LOOK_M, dt_s / LOOK_S), 1.0)
