@@ -1,10 +1,11 @@
-/* What module.c needs of Python's stable ABI, for a Python that comes without its headers, as that of Debian does.
+/* What the files that bind the core need of Python's stable ABI, for a Python that comes without its headers, as that of Debian does.
  *
  * The stable ABI fixes these names, types and layouts for all versions from 3.11 (docs.python.org/3/c-api/stable.html).
  */
 #ifndef PYTHON_STABLE_ABI_H
 #define PYTHON_STABLE_ABI_H
 
+#include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -65,6 +66,11 @@ typedef struct {
 
 #define PyModuleDef_HEAD_INIT {{1, NULL}, NULL, 0, NULL}
 #define PyModule_Create(definition) PyModule_Create2(definition, 3)
+#ifdef _MSC_VER
+#define Py_UNUSED(name) unused_##name
+#else
+#define Py_UNUSED(name) unused_##name __attribute__((unused))
+#endif
 #define METH_VARARGS 0x0001
 #define PyBUF_SIMPLE 0
 #define PyBUF_WRITABLE 0x0001
@@ -77,8 +83,11 @@ PyAPI_FUNC(PyObject *) PyModule_Create2(PyModuleDef *, int);
 PyAPI_FUNC(int) PyModule_AddFunctions(PyObject *, PyMethodDef *);
 PyAPI_FUNC(int) PyModule_AddStringConstant(PyObject *, const char *, const char *);
 PyAPI_FUNC(int) PyArg_ParseTuple(PyObject *, const char *, ...);
+PyAPI_FUNC(int) PyArg_VaParse(PyObject *, const char *, va_list);
+PyAPI_FUNC(Py_ssize_t) PyTuple_Size(PyObject *);
+PyAPI_FUNC(PyObject *) PyTuple_GetItem(PyObject *, Py_ssize_t);
+PyAPI_FUNC(PyObject *) PyTuple_GetSlice(PyObject *, Py_ssize_t, Py_ssize_t);
 PyAPI_FUNC(PyObject *) Py_BuildValue(const char *, ...);
-PyAPI_FUNC(void) Py_IncRef(PyObject *);
 PyAPI_FUNC(void) Py_DecRef(PyObject *);
 PyAPI_FUNC(int) PyObject_GetBuffer(PyObject *, Py_buffer *, int);
 PyAPI_FUNC(void) PyBuffer_Release(Py_buffer *);
@@ -88,8 +97,6 @@ PyAPI_FUNC(PyObject *) PyErr_Occurred(void);
 PyAPI_FUNC(void) PyErr_SetString(PyObject *, const char *);
 PyAPI_FUNC(PyObject *) PyErr_Format(PyObject *, const char *, ...);
 PyAPI_FUNC(PyObject *) PyErr_NoMemory(void);
-PyAPI_FUNC(void *) PyMem_Malloc(size_t);
-PyAPI_FUNC(void) PyMem_Free(void *);
 PyAPI_DATA(PyObject *) PyExc_ValueError;
 
 #endif

@@ -76,14 +76,13 @@ class Renderer:
     def skip(self, ego: Carrier, time_s: float) -> None:
         """Skip a frame; later frames are the same to the last bit.
 
-        The frame is drawn only if later frames reuse parts of it (reflections).
+        The frame is drawn only if the exposure control measures it.
         """
-        if self._world.is_due or self._exposure.is_due(time_s):
+        if self._exposure.is_due(time_s):
             self.render(ego, time_s)
             return
         now, before = self._advance(ego, time_s)
         self._is_drawn = False
-        self._world.skip(now)
         self._glass.skip(now, before)
 
     def truth(self, names: tuple[str, ...]) -> dict[str, NDArray[np.generic]]:

@@ -20,12 +20,18 @@ def noise(shape: tuple[int, int], rng: np.random.Generator, shortest: float, slo
     that it is the same on every processor.
     """
     spectrum = fft.rfft2(rng.standard_normal(shape, dtype=np.float32).astype(np.float64))
-    frequency = np.hypot(fft.fftfreq(shape[0])[:, None], fft.rfftfreq(shape[1])[None, :])
-    frequency[0, 0] = 1.0
-    spectrum *= frequency**-slope * np.exp(-((frequency * shortest) ** 4))
+    spectrum *= _amplitudes(shape, shortest, slope)
     spectrum[0, 0] = 0.0
     field = fft.irfft2(spectrum, s=shape)
     return np.asarray(np.round(field / field.std() / ROUNDED) * ROUNDED)
+
+
+@lru_cache(maxsize=4)
+def _amplitudes(shape: tuple[int, int], shortest: float, slope: float) -> Floats:
+    """Of the spectrum of real noise. Cached: every sky has noise of the same kinds."""
+    frequency = np.hypot(fft.fftfreq(shape[0])[:, None], fft.rfftfreq(shape[1])[None, :])
+    frequency[0, 0] = 1.0
+    return np.asarray(frequency**-slope * np.exp(-((frequency * shortest) ** 4)))
 
 
 @lru_cache(maxsize=8)

@@ -1,5 +1,6 @@
 """The road, its surroundings and its traffic, drawn by the core."""
 
+from math import dist
 from typing import Any
 
 import numpy as np
@@ -33,7 +34,8 @@ from vpf_sim.seeding import stream
 from vpf_sim.timing import timed
 from vpf_sim.types import Bools, Camera, Floats, Image
 
-NOT_DRAWN = -1  # the mesh of landmarks
+NOT_DRAWN = -1  # no mesh
+MESH_RANGE_M = 240.0  # beyond the range at which objects appear, and what the camera is ahead of its car
 
 
 class World:
@@ -42,7 +44,7 @@ class World:
     def __init__(self, road: Road, camera: Camera, light: Light, atmosphere: Atmosphere, seed: int) -> None:
         self._seed = seed
         self._meshes: dict[RoadObject, int] = {}
-        self._bodies = 0
+        self._bodies: dict[RoadObject, int] = {}
         self._core = core = Core(camera, ground_top(camera))
         shapes, haze = lane_shapes(road), Haze(camera, atmosphere, light)
         scenery = StaticScenery(camera, shapes, seed)
@@ -68,11 +70,6 @@ class World:
         self.__dict__.update(state)
         self._is_copy = True
 
-    @property
-    def is_due(self) -> bool:
-        """Whether later frames reuse parts of the next one."""
-        return False
-
     def draw(self, frame: Image, now: Snapshot, before: Snapshot) -> None:
         """Draw a frame."""
         self._drawn, self._is_copy = (now, before), False
@@ -81,9 +78,6 @@ class World:
         if self._wet is not None:
             self._draw_wet_road(frame, self._wet, now)
         self._draw_scene(frame)
-
-    def skip(self, now: Snapshot) -> None:
-        """Skip a frame: nothing is kept."""
 
     def shown(self) -> Shown:
         """What each pixel of the last frame shows."""
@@ -100,7 +94,7 @@ class World:
     def _begin(self, now: Snapshot, before: Snapshot) -> None:
         objects = np.empty((len(now.objects), 4))
         objects[:, :3] = now.places
-        objects.view(np.int64)[:, 3] = self._numbers(now.objects)
+        objects.view(np.int64)[:, 3] = self._numbers(now)
         self._core.begin(*now.pose, now.time_s, objects, NO_LAMPS if self._lamps is None else self._lamps.of(now))
         gap_s = now.time_s - before.time_s
         if self._wet is not None and gap_s > 0.0 and now.objects:
@@ -119,21 +113,25 @@ class World:
     def _draw_scene(self, frame: Image) -> None:
         self._core.draw_scene(frame)
 
-    def _numbers(self, objects: list[RoadObject]) -> list[int]:
-        """The meshes of objects, made on first use."""
-        known = self._meshes
-        return [known[obj] if obj in known else self._add(obj) for obj in objects]
+    def _numbers(self, now: Snapshot) -> list[int]:
+        """The meshes of objects; NOT_DRAWN for those that are far away, whose meshes are not made yet."""
+        unmade = [i for i, obj in enumerate(now.objects) if obj not in self._meshes]
+        for i in unmade:
+            self._meet(now.objects[i], dist(now.pose[:2], now.places[i, :2]))
+        return [self._meshes.get(obj, NOT_DRAWN) for obj in now.objects]
 
-    def _add(self, obj: RoadObject) -> int:
-        number = NOT_DRAWN
-        if not isinstance(obj, Landmark):
-            rng = stream(self._seed, f"body {self._bodies}")  # part of what a seed means: keep
-            self._bodies += 1
+    def _meet(self, obj: RoadObject, distance_m: float) -> None:
+        """Number an object by the order in which objects appear on the road, and make its mesh when it is near."""
+        if isinstance(obj, Landmark):
+            self._meshes[obj] = NOT_DRAWN
+            return
+        body = self._bodies.setdefault(obj, len(self._bodies))
+        if distance_m < MESH_RANGE_M:
             size = object_size(obj)
-            mesh = object_mesh(kind_of(obj), size, rng)
-            number = add_mesh(self._core, mesh if self._lamps is None else banded(mesh), size)
-        self._meshes[obj] = number
-        return number
+            mesh = object_mesh(
+                kind_of(obj), size, stream(self._seed, f"body {body}")
+            )  # part of what a seed means: keep
+            self._meshes[obj] = add_mesh(self._core, mesh if self._lamps is None else banded(mesh), size)
 
 
 def _moved_m(now: Snapshot, before: Snapshot) -> Floats:

@@ -84,8 +84,25 @@ int PyArg_ParseTuple(PyObject *arguments, const char *format, ...) {
     return 1;
 }
 
+int PyArg_VaParse(PyObject *arguments, const char *format, va_list given) {
+    va_list to;
+    va_copy(to, given);
+    parse((Object *)arguments, format, &to);
+    va_end(to);
+    return 1;
+}
+
+Py_ssize_t PyTuple_Size(PyObject *tuple) { return ((Object *)tuple)->size; }
+PyObject *PyTuple_GetItem(PyObject *tuple, Py_ssize_t index) { return ((Object *)tuple)->items[index]; }
+
+PyObject *PyTuple_GetSlice(PyObject *tuple, Py_ssize_t first, Py_ssize_t last) {
+    Object *slice = made('t');
+    slice->size = last - first;
+    slice->items = ((Object *)tuple)->items + first;
+    return &slice->base;
+}
+
 PyObject *Py_BuildValue(const char *format, ...) { return (void)format, &made('n')->base; }
-void Py_IncRef(PyObject *object) { (void)object; }
 void Py_DecRef(PyObject *object) { (void)object; }
 void PyBuffer_Release(Py_buffer *buffer) { (void)buffer; }
 
@@ -101,8 +118,6 @@ PyObject *PyErr_Occurred(void) { return failed ? &made('n')->base : NULL; }
 void PyErr_SetString(PyObject *type, const char *text) { (void)type, failed = 1, fprintf(stderr, "%s\n", text); }
 PyObject *PyErr_Format(PyObject *type, const char *text, ...) { return PyErr_SetString(type, text), NULL; }
 PyObject *PyErr_NoMemory(void) { return PyErr_SetString(NULL, "no memory"), NULL; }
-void *PyMem_Malloc(size_t size) { return malloc(size); }
-void PyMem_Free(void *pointer) { free(pointer); }
 
 /* ---- the recording ---- */
 

@@ -1,4 +1,4 @@
-"""The functions of module.c; core.h says what they do, bind_content.c and bind_frame.c what their arrays hold."""
+"""The functions of _core; core.h says what they do, the files of their bindings what their arrays hold."""
 
 from typing import Any
 
@@ -70,7 +70,8 @@ def add_panorama(
     coarse: int,
     rows: int,
     columns: int,
-    width: int,
+    h: int,
+    w: int,
     columns_per_rad: float,
     /,
     *arrays: Array,

@@ -1,92 +1,80 @@
 /* Python's calls that draw frames. */
 #include "binding.h"
-
 #include "internal.h"
 
 /* core, x, y, yaw, time_us, (n, 4) objects: x, y, heading as float64 and the mesh as int64; (n, 10) lamps: x, y,
  * depth, flux, size, colour as float64, glow and object as int64. */
-FUNCTION(bind_begin) {
-    (void)self;
-    PyObject *capsule, *o[2];
+FUNCTION(begin) {
+    Call call;
     vc_pose pose;
     long long time_us;
-    Buffers buffers;
-    if (!PyArg_ParseTuple(arguments, "OdddLOO", &capsule, &pose.x_m, &pose.y_m, &pose.yaw_rad, &time_us, o, o + 1))
+    if (!vc_begin_call(&call, arguments, VC_CORE_NAME, 2, VC_READ, "dddL", &pose.x_m, &pose.y_m, &pose.yaw_rad, &time_us))
         return NULL;
     pose.time_us = time_us;
-    vc_core *core = core_of(capsule);
-    if (core == NULL || !take_buffers(&buffers, o, 2, 0)) return NULL;
-    int count = (int)length(&buffers, 0, sizeof(vc_object)), lamp_count = (int)length(&buffers, 1, sizeof(vc_lamp));
-    const vc_object *objects = elements(&buffers, 0, count, sizeof(vc_object));
-    const vc_lamp *lamps = elements(&buffers, 1, lamp_count, sizeof(vc_lamp));
-    vc_status status = objects && lamps ? vc_begin(core, &pose, objects, count, lamps, lamp_count) : VC_INVALID;
-    release(&buffers);
-    return result(status);
+    int count = vc_length(&call, 0, sizeof(vc_object)), lamp_count = vc_length(&call, 1, sizeof(vc_lamp));
+    const vc_object *objects = vc_elements(&call, 0, count, sizeof(vc_object));
+    const vc_lamp *lamps = vc_elements(&call, 1, lamp_count, sizeof(vc_lamp));
+    int fits = objects && lamps;
+    return vc_end_call(&call, fits ? vc_begin(call.object, &pose, objects, count, lamps, lamp_count) : VC_INVALID);
 }
 
-typedef void (*Draw)(vc_core *core, vc_image image);
-
 /* Calls a function on a frame, (height, width, 3) uint8. */
-static PyObject *draw_on(vc_core *core, PyObject *frame, Draw function) {
-    Buffers buffers;
-    if (core == NULL || !take_buffers(&buffers, &frame, 1, 1)) return NULL;
-    int width = core->camera.width_px, height = core->camera.height_px;
-    uint8_t *px = elements(&buffers, 0, (Py_ssize_t)height * width, 3);
-    if (px != NULL) function(core, (vc_image){px, width, height});
-    release(&buffers);
-    return result(VC_OK);
+static PyObject *draw_on(Call *call, void (*function)(vc_core *core, vc_image image)) {
+    vc_core *core = call->object;
+    vc_image image = vc_frame_in(call, 0, &core->camera, 3);
+    if (image.px != NULL) function(core, image);
+    return vc_end_call(call, image.px ? VC_OK : VC_INVALID);
 }
 
 /* core, frame. */
-static PyObject *draw(PyObject *arguments, Draw function) {
-    PyObject *capsule, *frame;
-    if (!PyArg_ParseTuple(arguments, "OO", &capsule, &frame)) return NULL;
-    return draw_on(core_of(capsule), frame, function);
+static PyObject *draw(PyObject *arguments, void (*function)(vc_core *core, vc_image image)) {
+    Call call;
+    return vc_begin_call(&call, arguments, VC_CORE_NAME, 1, VC_WRITE, "") ? draw_on(&call, function) : NULL;
 }
 
-FUNCTION(bind_draw_backdrop) { return (void)self, draw(arguments, vc_draw_backdrop); }
-FUNCTION(bind_draw_wet_road) { return (void)self, draw(arguments, vc_draw_wet_road); }
-FUNCTION(bind_draw_scene) { return (void)self, draw(arguments, vc_draw_scene); }
+FUNCTION(draw_backdrop) { return draw(arguments, vc_draw_backdrop); }
+FUNCTION(draw_wet_road) { return draw(arguments, vc_draw_wet_road); }
+FUNCTION(draw_scene) { return draw(arguments, vc_draw_scene); }
 
 /* core, time_us, frame. */
-FUNCTION(bind_draw_noise) {
-    (void)self;
-    PyObject *capsule, *frame;
+FUNCTION(draw_noise) {
+    Call call;
     long long time_us;
-    if (!PyArg_ParseTuple(arguments, "OLO", &capsule, &time_us, &frame)) return NULL;
-    vc_core *core = core_of(capsule);
-    if (core != NULL) core->frame.pose.time_us = time_us;
-    return draw_on(core, frame, vc_draw_noise);
+    if (!vc_begin_call(&call, arguments, VC_CORE_NAME, 1, VC_WRITE, "L", &time_us)) return NULL;
+    ((vc_core *)call.object)->frame.pose.time_us = time_us;
+    return draw_on(&call, vc_draw_noise);
 }
 
 /* core, level, (rows, columns) uint32 texels. */
-FUNCTION(bind_read_raster) {
-    (void)self;
-    PyObject *capsule, *o[1];
+FUNCTION(read_raster) {
+    Call call;
     int level;
-    Buffers buffers;
-    if (!PyArg_ParseTuple(arguments, "OiO", &capsule, &level, o)) return NULL;
-    vc_core *core = core_of(capsule);
-    if (core == NULL || !take_buffers(&buffers, o, 1, 1)) return NULL;
-    vc_status status = VC_INVALID;
-    uint32_t *texels = elements(&buffers, 0, vc_raster_texels(core, level), sizeof *texels);
-    if (texels != NULL) status = vc_read_raster(core, level, texels);
-    release(&buffers);
-    return result(status);
+    if (!vc_begin_call(&call, arguments, VC_CORE_NAME, 1, VC_WRITE, "i", &level)) return NULL;
+    uint32_t *texels = vc_elements(&call, 0, vc_raster_texels(call.object, level), sizeof *texels);
+    return vc_end_call(&call, texels ? vc_read_raster(call.object, level, texels) : VC_INVALID);
 }
 
 /* core, (height, width) int32 instances, (height, width, 3) float64 planes. */
-FUNCTION(bind_truth) {
-    (void)self;
-    PyObject *capsule, *o[2];
-    Buffers buffers;
-    if (!PyArg_ParseTuple(arguments, "OOO", &capsule, o, o + 1)) return NULL;
-    vc_core *core = core_of(capsule);
-    if (core == NULL || !take_buffers(&buffers, o, 2, 1)) return NULL;
+FUNCTION(truth) {
+    Call call;
+    if (!vc_begin_call(&call, arguments, VC_CORE_NAME, 2, VC_WRITE, "")) return NULL;
+    vc_core *core = call.object;
     Py_ssize_t count = (Py_ssize_t)core->camera.width_px * core->camera.height_px;
-    int32_t *instance = elements(&buffers, 0, count, sizeof *instance);
-    double *planes = elements(&buffers, 1, count, 3 * sizeof *planes);
+    int32_t *instance = vc_elements(&call, 0, count, sizeof *instance);
+    double *planes = vc_elements(&call, 1, count, 3 * sizeof *planes);
     if (instance && planes) vc_truth(core, instance, planes);
-    release(&buffers);
-    return result(VC_OK);
+    return vc_end_call(&call, instance && planes ? VC_OK : VC_INVALID);
 }
+
+static PyMethodDef METHODS[] = {
+    METHOD(begin, "Set the pose of the next frame and find what it shows."),
+    METHOD(draw_backdrop, "Draw sky, ground and haze."),
+    METHOD(draw_wet_road, "Draw reflections on the road."),
+    METHOD(draw_scene, "Draw what rises from the ground, and its shadows."),
+    METHOD(draw_noise, "Add the noise of the sensor."),
+    METHOD(read_raster, "Copy the raster of a level."),
+    METHOD(truth, "Write instance and plane of each pixel."),
+    {NULL, NULL, 0, NULL},
+};
+
+int vc_bind_frames(PyObject *module) { return PyModule_AddFunctions(module, METHODS); }

@@ -3,51 +3,41 @@
 #define VC_BINDING_H
 
 #include <Python.h>
+#include <stdint.h>
 
 #include "core.h"
 
-/* The buffers of one call, to be released at its end. */
-enum { BUFFERS = 16 };
+/* Each adds its functions to the module; -1 with an exception set, else 0. */
+int vc_bind_content(PyObject *module);
+int vc_bind_frames(PyObject *module);
+int vc_bind_road(PyObject *module);
+int vc_bind_glass(PyObject *module);
+int vc_bind_streaks(PyObject *module);
+
+#define VC_CORE_NAME "vpf_sim.envs.camera.core" /* of the capsule of a core */
+
+/* One call: the object of its first argument, a capsule, and the buffers of its last ones. */
+enum { VC_ARRAYS = 16 };
 typedef struct {
-    Py_buffer buffer[BUFFERS];
+    void *object;
+    Py_buffer buffer[VC_ARRAYS];
     int count;
-} Buffers;
+} Call;
 
-vc_core *core_of(PyObject *capsule); /* NULL with an error set */
-/* The start of a tuple of objects with the buffer protocol; NULL with an error set. */
-int take_buffers(Buffers *buffers, PyObject *const *objects, int count, int writable);
-void release(Buffers *buffers);
-/* The elements of a buffer if it holds `count` of `size` bytes, else NULL with an error set. */
-void *elements(const Buffers *buffers, int index, Py_ssize_t count, Py_ssize_t size);
-/* How many elements of `size` bytes a buffer holds. */
-Py_ssize_t length(const Buffers *buffers, int index, Py_ssize_t size);
-/* None, or NULL with the error of a status. */
-PyObject *result(vc_status status);
+/* Takes the capsule of a name, then numbers by a format of PyArg_ParseTuple, then arrays that are written to or only
+ * read; 0 with an exception. */
+typedef enum { VC_READ, VC_WRITE } vc_access;
+int vc_begin_call(Call *call, PyObject *arguments, const char *name, int arrays, vc_access access, const char *numbers, ...);
+/* How many elements of `size` bytes an array holds. */
+int vc_length(const Call *call, int index, size_t size);
+/* The elements of an array that holds `count` of `size` bytes, else NULL with an exception. */
+void *vc_elements(const Call *call, int index, Py_ssize_t count, size_t size);
+/* Releases the arrays; None or a number from 0 on, or NULL with the exception of a status. */
+PyObject *vc_end_call(Call *call, vc_status status);
+PyObject *vc_end_with_number(Call *call, int number);
+/* A frame of a camera's size in an array of `channels` bytes a pixel; without pixels and with an exception if it has another. */
+vc_image vc_frame_in(const Call *call, int index, const vc_camera *camera, int channels);
 
-#define FUNCTION(name) PyObject *name(PyObject *self, PyObject *arguments)
-FUNCTION(bind_new);
-FUNCTION(bind_set_ground);
-FUNCTION(bind_add_level);
-FUNCTION(bind_add_panorama);
-FUNCTION(bind_set_light);
-FUNCTION(bind_set_roadside);
-FUNCTION(bind_add_mesh);
-FUNCTION(bind_add_tree);
-FUNCTION(bind_plant);
-FUNCTION(bind_set_lamps);
-FUNCTION(bind_add_glow);
-FUNCTION(bind_set_wet_road);
-FUNCTION(bind_set_puddles);
-FUNCTION(bind_set_spray);
-FUNCTION(bind_begin_spray);
-FUNCTION(bind_draw_wet_road);
-FUNCTION(bind_hidden_by_rain);
-FUNCTION(bind_set_noise);
-FUNCTION(bind_reserve);
-FUNCTION(bind_begin);
-FUNCTION(bind_draw_backdrop);
-FUNCTION(bind_draw_scene);
-FUNCTION(bind_draw_noise);
-FUNCTION(bind_read_raster);
-FUNCTION(bind_truth);
+#define FUNCTION(name) static PyObject *name(PyObject *Py_UNUSED(self), PyObject *arguments)
+#define METHOD(name, text) {#name, name, METH_VARARGS, text}
 #endif

@@ -126,7 +126,8 @@ typedef struct {
     int rows, columns;        /* of the panorama */
     const uint8_t *px;        /* (rows, columns, 3) RGB */
     double columns_per_rad;
-    const int32_t *across;    /* (h, w) texels right of the yaw, of each sampled pixel */
+    int h, w;                 /* sampled pixels */
+    const int32_t *across;    /* (h, w) texels right of the yaw, of each of them */
     const int32_t *down;      /* (h, w) texels from the top */
 } vc_panorama;
 

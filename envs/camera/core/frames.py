@@ -115,7 +115,7 @@ class Core:
         """Add a panorama that fills image rows; `across` and `down` are (h, w) places in it, see core.h."""
         texels = [np.ascontiguousarray(np.rint(TEXEL * of), np.int32) for of in (across, down)]
         tall, wide = px.shape[:2]
-        place = rows.start, rows.stop, coarse, tall, wide, self.camera.width_px
+        place = rows.start, rows.stop, coarse, tall, wide, *across.shape
         self._set("add_panorama", *place, float(columns_per_rad), _bytes(px), *texels)
 
     def set_light(

@@ -41,14 +41,6 @@ static inline int vc_round(double value) { return vc_floor(value + 0.5); }
 /* value / 255 rounded, for 0 <= value <= 65535. */
 static inline uint32_t vc_by_255(uint32_t value) { return ((value + 128) * 257) >> 16; }
 
-/* A hash that spreads all bits (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators"). */
-static inline uint64_t vc_mix(uint64_t value) {
-    value += 0x9e3779b97f4a7c15u;
-    value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9u;
-    value = (value ^ (value >> 27)) * 0x94d049bb133111ebu;
-    return value ^ (value >> 31);
-}
-
 /* The camera at a pose. */
 typedef struct {
     double centre[3];      /* in the world */

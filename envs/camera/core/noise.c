@@ -2,6 +2,7 @@
 #include <stdlib.h>
 
 #include "internal.h"
+#include "vc_random.h"
 
 enum { STRIPS = 4 };
 

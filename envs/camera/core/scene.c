@@ -91,19 +91,6 @@ static vc_status take_faces(Faces *to, const vc_faces *from, const int32_t *orde
     return VC_OK;
 }
 
-/* Shades the faces of the roadside, which do not turn, and takes off the horizon's colour. */
-static void shade(const vc_light *light, Faces *faces) {
-    for (int i = 0; i < faces->count; i++) {
-        const double *n = faces->normals + 3 * i, *sun = light->sun;
-        double facing = n[0] * sun[0] + n[1] * sun[1] + n[2] * sun[2], *colour = faces->colours + 3 * i;
-        for (int j = 0; j < 3; j++) {
-            double factor = light->sky[j] + light->direct[j] * (facing > 0.0 ? facing : 0.0);
-            double shaded = faces->flags[i] & VC_LIT ? colour[j] * factor : colour[j];
-            colour[j] = (shaded < 255.0 ? shaded : 255.0) - light->horizon[j];
-        }
-    }
-}
-
 vc_status vc_set_roadside(vc_core *core, const vc_roadside *from, const vc_faces *faces) {
     vc_scene_part *scene = core->scene;
     if (scene == NULL || scene->roadside.items > 0 || from->items < 0) return VC_INVALID;
@@ -126,7 +113,8 @@ vc_status vc_set_roadside(vc_core *core, const vc_roadside *from, const vc_faces
     vc_status status = take_faces(&to->faces, faces, NULL);
     if (status != VC_OK) return status;
     to->items = from->items;
-    if (core->lamps == NULL) shade(&scene->light, &to->faces);
+    for (int i = 0; core->lamps == NULL && i < to->faces.count; i++) /* by day the roadside's light does not change */
+        vc_shade(&scene->light, scene->light.sun, &to->faces, i, to->faces.colours + 3 * i);
     return vc_make_room(core);
 }
 

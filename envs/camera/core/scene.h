@@ -99,6 +99,8 @@ int vc_glow_count(const vc_core *core);
 int vc_glow_box(const vc_core *core, int lamp, vc_item *item);
 void vc_paint_glow(const vc_core *core, const vc_item *item, vc_image image);
 
+/* Contrast with the horizon of a face by day; the sun in the axes of the face. May be written over its colour. */
+void vc_shade(const vc_light *light, const double *sun, const Faces *faces, int index, double *contrast);
 /* Premultiplied colour and transparency of a face: contrast with the horizon, through the haze at a depth. */
 uint32_t vc_hazed(const vc_light *light, const double *contrast, double depth_m, double opacity);
 /* An item while its faces are added, and their bounds. */

@@ -9,7 +9,6 @@ enum { PANORAMAS = 2 };
 typedef struct {
     vc_panorama spec; /* with copies of its arrays */
     uint32_t *texels; /* (rows + 1, columns) R, G, B from the lowest byte on */
-    int h, w;         /* sampled pixels */
 } Panorama;
 
 struct vc_sky_part {
@@ -42,11 +41,13 @@ static vc_sky_part *new_sky(int width) {
     return NULL;
 }
 
-static int makes_sense(const vc_camera *camera, const vc_panorama *spec, int h, int w) {
+static int makes_sense(const vc_camera *camera, const vc_panorama *spec) {
     if (spec->top < 0 || spec->bottom <= spec->top || spec->bottom > camera->height_px) return 0;
     if (spec->coarse < 1 || spec->coarse > 8 || (spec->coarse & (spec->coarse - 1)) != 0) return 0;
+    if (spec->h != (spec->bottom - spec->top + spec->coarse - 1) / spec->coarse) return 0;
+    if (spec->w != (camera->width_px + spec->coarse - 1) / spec->coarse) return 0;
     if (spec->rows < 2 || spec->columns < 2 || spec->columns > 1 << 20) return 0;
-    for (int i = 0; i < h * w; i++) {
+    for (int i = 0; i < spec->h * spec->w; i++) {
         if (spec->down[i] < 0 || spec->down[i] > (spec->rows - 1) * VC_TEXEL) return 0;
         if (abs(spec->across[i]) > spec->columns * VC_TEXEL) return 0;
     }
@@ -67,16 +68,13 @@ static uint32_t *packed(const vc_panorama *spec) {
 }
 
 vc_status vc_add_panorama(vc_core *core, const vc_panorama *spec) {
-    if (spec->coarse < 1 || spec->bottom <= spec->top) return VC_INVALID;
-    int h = (spec->bottom - spec->top + spec->coarse - 1) / spec->coarse;
-    int w = (core->camera.width_px + spec->coarse - 1) / spec->coarse;
-    if (!makes_sense(&core->camera, spec, h, w)) return VC_INVALID;
+    if (!makes_sense(&core->camera, spec)) return VC_INVALID;
     if (core->sky == NULL) core->sky = new_sky(core->camera.width_px);
     if (core->sky == NULL) return VC_NO_MEMORY;
     if (core->sky->count == PANORAMAS) return VC_INVALID;
     Panorama *panorama = core->sky->panorama + core->sky->count++;
-    size_t samples = (size_t)h * w;
-    *panorama = (Panorama){*spec, packed(spec), h, w};
+    size_t samples = (size_t)spec->h * spec->w;
+    *panorama = (Panorama){*spec, packed(spec)};
     panorama->spec.across = vc_copied(spec->across, samples, sizeof(int32_t), 0);
     panorama->spec.down = vc_copied(spec->down, samples, sizeof(int32_t), 0);
     int memory = panorama->texels && panorama->spec.across && panorama->spec.down;
@@ -93,9 +91,9 @@ static inline uint32_t between(uint32_t a, uint32_t b, uint32_t share) {
 /* Samples a row of pixels at a yaw, in 1 / VC_TEXEL columns. */
 static void sample(const Panorama *panorama, int row, int64_t turned, uint8_t *out) {
     const vc_panorama *spec = &panorama->spec;
-    const int32_t *across = spec->across + (size_t)row * panorama->w, *down = spec->down + (size_t)row * panorama->w;
+    const int32_t *across = spec->across + (size_t)row * panorama->spec.w, *down = spec->down + (size_t)row * panorama->spec.w;
     int around = spec->columns * VC_TEXEL;
-    for (int x = 0; x < panorama->w; x++, out += 3) {
+    for (int x = 0; x < panorama->spec.w; x++, out += 3) {
         int place = across[x] + (int)turned;
         place += place < 0 ? around : place >= around ? -around : 0;
         uint32_t u = (uint32_t)place, v = (uint32_t)down[x], column = u / VC_TEXEL;
@@ -126,7 +124,7 @@ static void stretch(const uint8_t *row, int count, int coarse, int width, uint16
 /* One stretched row of samples. */
 static void coarse_row(vc_core *core, const Panorama *panorama, int row, int64_t turned, uint16_t *out) {
     sample(panorama, row, turned, core->sky->row);
-    stretch(core->sky->row, panorama->w, panorama->spec.coarse, core->camera.width_px, out);
+    stretch(core->sky->row, panorama->spec.w, panorama->spec.coarse, core->camera.width_px, out);
 }
 
 static void blend_rows(const uint16_t *above, const uint16_t *below, int share, int whole, int count, uint8_t *out) {
@@ -148,7 +146,7 @@ static void draw_coarse(vc_core *core, const Panorama *panorama, int64_t turned,
             above = below;
             below = swap;
             share -= whole;
-            next = vc_min(next + 1, panorama->h - 1);
+            next = vc_min(next + 1, panorama->spec.h - 1);
             coarse_row(core, panorama, next, turned, below);
         }
         blend_rows(above, below, share, whole, bytes, image.px + (size_t)y * bytes);
@@ -165,7 +163,7 @@ void vc_draw_sky(vc_core *core, vc_image image) {
         if (spec->coarse > 1)
             draw_coarse(core, panorama, turned, image);
         else
-            for (int y = 0; y < panorama->h; y++)
+            for (int y = 0; y < panorama->spec.h; y++)
                 sample(panorama, y, turned, image.px + (size_t)(spec->top + y) * image.width * 3);
     }
 }

@@ -7,16 +7,24 @@
 
 #include "vc_math.h"
 
+/* A hash that spreads all bits, and a generator by it (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number
+ * generators"). */
+#define VC_GOLDEN 0x9e3779b97f4a7c15u
+static inline uint64_t vc_mix(uint64_t value) {
+    value += VC_GOLDEN;
+    value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9u;
+    value = (value ^ (value >> 27)) * 0x94d049bb133111ebu;
+    return value ^ (value >> 31);
+}
+
 typedef struct {
     uint64_t state;
 } vc_random;
 
-/* SplitMix64 (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators"). */
 static inline uint64_t vc_next(vc_random *random) {
-    uint64_t z = random->state += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
+    uint64_t value = vc_mix(random->state);
+    random->state += VC_GOLDEN;
+    return value;
 }
 
 /* The stream of a seed and a key, such as a tick. */

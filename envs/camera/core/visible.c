@@ -23,6 +23,16 @@ uint32_t vc_hazed(const vc_light *light, const double *contrast, double depth_m,
     return colour;
 }
 
+void vc_shade(const vc_light *light, const double *sun, const Faces *faces, int index, double *contrast) {
+    const double *n = faces->normals + 3 * index, *colour = faces->colours + 3 * index;
+    double facing = n[0] * sun[0] + n[1] * sun[1] + n[2] * sun[2];
+    for (int i = 0; i < 3; i++) {
+        double factor = light->sky[i] + light->direct[i] * (facing > 0.0 ? facing : 0.0);
+        double level = faces->flags[index] & VC_LIT ? colour[i] * factor : colour[i];
+        contrast[i] = (level < 255.0 ? level : 255.0) - light->horizon[i];
+    }
+}
+
 static void add_face(vc_core *core, vc_growing *growing, const double *projection, const Faces *faces, int index,
                      double distance_m, uint32_t colour) {
     int start = faces->starts[index];
@@ -112,13 +122,8 @@ static void order_parts(vc_scene_part *scene, const Mesh *mesh, const double *ey
 }
 
 static uint32_t shaded(const vc_light *light, const Faces *faces, int index, const Near *near, double opacity) {
-    const double *n = faces->normals + 3 * index, *sun = near->sun, *colour = faces->colours + 3 * index;
-    double facing = n[0] * sun[0] + n[1] * sun[1] + n[2] * sun[2], contrast[3];
-    for (int i = 0; i < 3; i++) {
-        double factor = light->sky[i] + light->direct[i] * (facing > 0.0 ? facing : 0.0);
-        double level = faces->flags[index] & VC_LIT ? colour[i] * factor : colour[i];
-        contrast[i] = (level < 255.0 ? level : 255.0) - light->horizon[i];
-    }
+    double contrast[3];
+    vc_shade(light, near->sun, faces, index, contrast);
     return vc_hazed(light, contrast, near->depth_m, opacity);
 }
 

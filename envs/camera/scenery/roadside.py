@@ -52,7 +52,12 @@ def group_of(items: list[Placement], camera: Camera) -> Group:
     """All faces in world axes."""
     poses = np.array([pose for _, pose, _ in items]).reshape(-1, 3)
     meshes = [mesh for mesh, _, _ in items]
+    kinds = {id(mesh): mesh for mesh in meshes}  # most items are of few kinds
+    first = dict(zip(kinds, np.cumsum([0, *(len(mesh.faces_m) for mesh in kinds.values())]).tolist(), strict=False))
     counts = np.array([len(mesh.faces_m) for mesh in meshes], np.int64)
+    index = np.concatenate(
+        [np.empty(0, np.int64), *(np.arange(first[id(mesh)], first[id(mesh)] + len(mesh.faces_m)) for mesh in meshes)]
+    )
     owner = np.repeat(np.arange(len(items)), counts)
     c, s = np.cos(poses[owner, 2]), np.sin(poses[owner, 2])
     zero, one = np.zeros(len(owner)), np.ones(len(owner))
@@ -60,9 +65,11 @@ def group_of(items: list[Placement], camera: Camera) -> Group:
     places = np.column_stack([poses[owner, :2], zero])
 
     def joined(name: str, *shape: int) -> Floats:
-        return np.concatenate([np.empty((0, *shape)), *(getattr(mesh, name) for mesh in meshes)])
+        of_kinds = [np.empty((0, *shape)), *(getattr(mesh, name) for mesh in kinds.values())]
+        return np.asarray(np.concatenate(of_kinds)[index])
 
-    faces = np.concatenate([np.empty((0, VERTICES, 3)), *(mesh.faces_m[:, :VERTICES] for mesh in meshes)])
+    own = [np.empty((0, VERTICES, 3)), *(mesh.faces_m[:, :VERTICES] for mesh in kinds.values())]
+    faces = np.concatenate(own)[index]
     faces = np.einsum("fij,fvj->fvi", turns, faces) + places[:, None]
     normals = np.einsum("fij,fj->fi", turns, joined("normals", 3))
     ranges_m = np.array([range_m for _, _, range_m in items], float)[owner]

@@ -35,6 +35,17 @@ def test_a_frame_does_not_depend_on_the_frames_before() -> None:
     assert np.array_equal(driven[along[33]], alone[along[33]])
 
 
+def test_a_car_looks_the_same_whether_it_was_far_away_before() -> None:
+    """Meshes are made when objects come near, here the second one first."""
+    road = straight_road()
+    for x in (320.0, 25.0):
+        add_object(road, "car", [x, 3.5])
+    places = [SimpleNamespace(position=np.array([x, 3.5]), heading=0.0) for x in (0.0, 300.0)]
+    driven, alone = (Renderer(road, Rig(Camera(160, 120)), weather.load("clear"), 4) for _ in range(2))
+    driven.render(places[0], 0.0)
+    assert np.array_equal(driven.render(places[1], 1.0), alone.render(places[1], 1.0))
+
+
 def test_a_truck_before_a_car_hides_it_whatever_their_middles() -> None:
     """The long truck's middle is farther than the car behind its rear; the car is drawn over it only where it shows."""
     road = straight_road()

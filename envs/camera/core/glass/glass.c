@@ -110,6 +110,8 @@ void vc_glass_free(vc_glass *glass) {
     free(glass);
 }
 
+const vc_camera *vc_glass_camera(const vc_glass *glass) { return &glass->windscreen.camera; }
+
 void vc_glass_advance(vc_glass *glass, int64_t time_us, double speed_mps) {
     int64_t tick = tick_at(time_us);
     if (is_wet(glass)) {
@@ -182,7 +184,7 @@ int vc_glass_drops(vc_glass *glass, vc_drop *drops, int most) {
 }
 
 vc_status vc_glass_put(vc_glass *glass, const vc_drop *drop) {
-    if (!is_wet(glass) || !glass->begun) return VC_INVALID;
+    if (!is_wet(glass) || !glass->begun || drop->outline < 0 || drop->outline >= VC_OUTLINES) return VC_INVALID;
     vc_drops_simulate(&glass->drops, &glass->pane, &glass->wiper, glass->tick);
     return vc_drops_put(&glass->drops, glass->tick, drop);
 }

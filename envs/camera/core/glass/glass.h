@@ -33,6 +33,8 @@ enum { VC_OUTLINES = 4 };
 vc_glass *vc_glass_new(const vc_windscreen *windscreen); /* NULL without memory */
 void vc_glass_free(vc_glass *glass);                     /* also of NULL */
 
+const vc_camera *vc_glass_camera(const vc_glass *glass);
+
 /* Goes to a time; `speed_mps` is that since the time before. */
 void vc_glass_advance(vc_glass *glass, int64_t time_us, double speed_mps);
 /* Draws water and blade of the present time over a frame of the camera's size. */

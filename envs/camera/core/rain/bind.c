@@ -1,24 +1,12 @@
-#include "bind.h"
-
+/* Python's calls for falling rain. */
+#include "binding.h"
 #include "rain/streaks.h"
 
 #define NAME "vpf_sim.streaks"
 
-/* Falling rain, and the size of the frames that go with it. */
-typedef struct {
-    vc_streaks *streaks;
-    int width, height;
-} Bound;
+static void delete(PyObject *capsule) { vc_streaks_free(PyCapsule_GetPointer(capsule, NAME)); }
 
-static void delete(PyObject *capsule) {
-    Bound *bound = PyCapsule_GetPointer(capsule, NAME);
-    if (bound == NULL) return;
-    vc_streaks_free(bound->streaks);
-    PyMem_Free(bound);
-}
-
-static PyObject *streaks_new(PyObject *self, PyObject *arguments) {
-    (void)self;
+FUNCTION(streaks_new) {
     vc_rainfall r = {0};
     vc_camera *c = &r.camera;
     unsigned long long seed;
@@ -26,81 +14,54 @@ static PyObject *streaks_new(PyObject *self, PyObject *arguments) {
                           &c->cy_px, &c->pitch_rad, &r.rain_mmph, &r.exposure_s, &r.brightness, &r.gain, &seed))
         return NULL;
     r.seed = seed;
-    Bound *bound = PyMem_Malloc(sizeof *bound);
-    if (bound == NULL) return PyErr_NoMemory();
-    Bound made = {vc_streaks_new(&r), c->width_px, c->height_px};
-    *bound = made;
-    PyObject *capsule = made.streaks == NULL ? PyErr_NoMemory() : PyCapsule_New(bound, NAME, delete);
-    if (capsule == NULL) {
-        vc_streaks_free(made.streaks);
-        PyMem_Free(bound);
-    }
+    vc_streaks *streaks = vc_streaks_new(&r);
+    if (streaks == NULL) return PyErr_NoMemory();
+    PyObject *capsule = PyCapsule_New(streaks, NAME, delete);
+    if (capsule == NULL) vc_streaks_free(streaks);
     return capsule;
 }
 
-/* What both functions below take: a moment and a frame. */
+/* What both functions below take: velocity, yaw, time and a frame, before `arrays` - 1 other arrays. */
 typedef struct {
-    Bound *bound;
     vc_air air;
     long long time_us;
     vc_image image;
 } Moment;
 
-/* Takes velocity, yaw, time and frame; -1 with an exception. */
-static int unpack(PyObject *capsule, const double *velocity_mps, double yaw_rad, const Py_buffer *frame, Moment *moment) {
-    Bound *bound = moment->bound = PyCapsule_GetPointer(capsule, NAME);
-    if (bound == NULL) return -1;
-    Py_ssize_t expected = (Py_ssize_t)bound->width * bound->height * 3;
-    if (frame->len != expected) {
-        vc_wrong_size(frame->len, expected);
-        return -1;
-    }
-    vc_image image = {frame->buf, bound->width, bound->height};
-    moment->image = image;
-    moment->air = vc_streaks_air(bound->streaks, velocity_mps, yaw_rad);
-    return 0;
+static int begin(Call *call, PyObject *arguments, int arrays, Moment *moment) {
+    double velocity[3], yaw;
+    if (!vc_begin_call(call, arguments, NAME, arrays, VC_WRITE, "(ddd)dL", velocity, velocity + 1, velocity + 2, &yaw,
+                       &moment->time_us))
+        return 0;
+    moment->air = vc_streaks_air(call->object, velocity, yaw);
+    moment->image = vc_frame_in(call, 0, vc_streaks_camera(call->object), 3);
+    return 1;
 }
 
-static PyObject *streaks_draw(PyObject *self, PyObject *arguments) {
-    (void)self;
-    PyObject *capsule, *result = NULL;
-    double velocity[3], yaw;
+FUNCTION(streaks_draw) {
+    Call call;
     Moment moment;
-    Py_buffer frame;
-    if (!PyArg_ParseTuple(arguments, "O(ddd)dLw*", &capsule, &velocity[0], &velocity[1], &velocity[2], &yaw,
-                          &moment.time_us, &frame))
-        return NULL;
-    if (unpack(capsule, velocity, yaw, &frame, &moment) == 0) {
-        vc_streaks_draw(moment.bound->streaks, &moment.air, moment.time_us, moment.image);
-        result = Py_BuildValue("");
-    }
-    PyBuffer_Release(&frame);
-    return result;
+    if (!begin(&call, arguments, 1, &moment)) return NULL;
+    if (moment.image.px != NULL) vc_streaks_draw(call.object, &moment.air, moment.time_us, moment.image);
+    return vc_end_call(&call, moment.image.px ? VC_OK : VC_INVALID);
 }
 
-static PyObject *streaks_list(PyObject *self, PyObject *arguments) {
-    (void)self;
-    PyObject *capsule, *result = NULL;
-    double velocity[3], yaw;
+/* The number of specks. */
+FUNCTION(streaks_list) {
+    Call call;
     Moment moment;
-    Py_buffer frame, specks;
-    if (!PyArg_ParseTuple(arguments, "O(ddd)dLw*w*", &capsule, &velocity[0], &velocity[1], &velocity[2], &yaw,
-                          &moment.time_us, &frame, &specks))
-        return NULL;
-    if (unpack(capsule, velocity, yaw, &frame, &moment) == 0) {
-        int most = (int)(specks.len / (Py_ssize_t)sizeof(vc_speck));
-        int count = vc_streaks_list(moment.bound->streaks, &moment.air, moment.time_us, moment.image, specks.buf, most);
-        result = Py_BuildValue("i", count);
-    }
-    PyBuffer_Release(&frame);
-    PyBuffer_Release(&specks);
-    return result;
+    int count = VC_INVALID;
+    if (!begin(&call, arguments, 2, &moment)) return NULL;
+    if (moment.image.px != NULL)
+        count = vc_streaks_list(call.object, &moment.air, moment.time_us, moment.image, call.buffer[1].buf,
+                                vc_length(&call, 1, sizeof(vc_speck)));
+    return vc_end_with_number(&call, count);
 }
 
 static PyMethodDef METHODS[] = {
-    {"streaks_new", streaks_new, METH_VARARGS, NULL},
-    {"streaks_draw", streaks_draw, METH_VARARGS, NULL},
-    {"streaks_list", streaks_list, METH_VARARGS, NULL},
+    METHOD(streaks_new, "Return the rain before a camera."),
+    METHOD(streaks_draw, "Draw the drops of a moment."),
+    METHOD(streaks_list, "List the drops of a moment and return their number."),
     {NULL, NULL, 0, NULL},
 };
 

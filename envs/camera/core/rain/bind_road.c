@@ -1,89 +1,69 @@
 /* Python's calls for the wet road and its spray. */
 #include "binding.h"
-
 #include "internal.h"
 
 /* core, rows, columns, level, smear, ripple, seed, reflectance, share. */
-FUNCTION(bind_set_wet_road) {
-    (void)self;
-    PyObject *capsule, *o[2];
+FUNCTION(set_wet_road) {
+    Call call;
     vc_wet_road wet;
     unsigned long long seed;
-    Buffers buffers;
-    if (!PyArg_ParseTuple(arguments, "OiiiiiKOO", &capsule, &wet.rows, &wet.columns, &wet.level, &wet.smear, &wet.ripple,
-                          &seed, o, o + 1))
+    if (!vc_begin_call(&call, arguments, VC_CORE_NAME, 2, VC_READ, "iiiiiK", &wet.rows, &wet.columns, &wet.level, &wet.smear,
+                       &wet.ripple, &seed))
         return NULL;
     wet.seed = seed;
-    vc_core *core = core_of(capsule);
-    if (core == NULL || !take_buffers(&buffers, o, 2, 0)) return NULL;
-    wet.reflectance = elements(&buffers, 0, (Py_ssize_t)wet.rows * wet.columns, 1);
-    wet.share = elements(&buffers, 1, 256, 1);
-    vc_status status = wet.reflectance && wet.share ? vc_set_wet_road(core, &wet) : VC_INVALID;
-    release(&buffers);
-    return result(status);
+    wet.reflectance = vc_elements(&call, 0, (Py_ssize_t)wet.rows * wet.columns, 1);
+    wet.share = vc_elements(&call, 1, 256, 1);
+    return vc_end_call(&call, wet.reflectance && wet.share ? vc_set_wet_road(call.object, &wet) : VC_INVALID);
 }
 
 /* core, cells, x, y, size of a cell, depths. */
-FUNCTION(bind_set_puddles) {
-    (void)self;
-    PyObject *capsule, *o[1];
-    vc_puddles puddles;
-    Buffers buffers;
-    if (!PyArg_ParseTuple(arguments, "OidddO", &capsule, &puddles.cells, &puddles.x_m, &puddles.y_m, &puddles.cell_m, o))
-        return NULL;
-    vc_core *core = core_of(capsule);
-    if (core == NULL || !take_buffers(&buffers, o, 1, 0)) return NULL;
-    puddles.depths = elements(&buffers, 0, (Py_ssize_t)puddles.cells * puddles.cells, 1);
-    vc_status status = puddles.depths ? vc_set_puddles(core, &puddles) : VC_INVALID;
-    release(&buffers);
-    return result(status);
+FUNCTION(set_puddles) {
+    Call call;
+    vc_puddles p;
+    if (!vc_begin_call(&call, arguments, VC_CORE_NAME, 1, VC_READ, "iddd", &p.cells, &p.x_m, &p.y_m, &p.cell_m)) return NULL;
+    p.depths = vc_elements(&call, 0, (Py_ssize_t)p.cells * p.cells, 1);
+    return vc_end_call(&call, p.depths ? vc_set_puddles(call.object, &p) : VC_INVALID);
 }
 
 /* core, strength, red, green, blue, pictures, size, seed, opacity. */
-FUNCTION(bind_set_spray) {
-    (void)self;
-    PyObject *capsule, *o[1];
+FUNCTION(set_spray) {
+    Call call;
     vc_spray spray;
     unsigned long long seed;
-    Buffers buffers;
-    if (!PyArg_ParseTuple(arguments, "OdbbbiiKO", &capsule, &spray.strength, &spray.colour[0], &spray.colour[1],
-                          &spray.colour[2], &spray.pictures, &spray.size, &seed, o))
+    if (!vc_begin_call(&call, arguments, VC_CORE_NAME, 1, VC_READ, "dbbbiiK", &spray.strength, &spray.colour[0],
+                       &spray.colour[1], &spray.colour[2], &spray.pictures, &spray.size, &seed))
         return NULL;
     spray.seed = seed;
-    vc_core *core = core_of(capsule);
-    if (core == NULL || !take_buffers(&buffers, o, 1, 0)) return NULL;
-    spray.opacity = elements(&buffers, 0, (Py_ssize_t)spray.pictures * spray.size * spray.size, 1);
-    vc_status status = spray.opacity ? vc_set_spray(core, &spray) : VC_INVALID;
-    release(&buffers);
-    return result(status);
+    spray.opacity = vc_elements(&call, 0, (Py_ssize_t)spray.pictures * spray.size * spray.size, 1);
+    return vc_end_call(&call, spray.opacity ? vc_set_spray(call.object, &spray) : VC_INVALID);
 }
 
 /* core, (n,) speeds of the objects. */
-FUNCTION(bind_begin_spray) {
-    (void)self;
-    PyObject *capsule, *o[1];
-    Buffers buffers;
-    if (!PyArg_ParseTuple(arguments, "OO", &capsule, o)) return NULL;
-    vc_core *core = core_of(capsule);
-    if (core == NULL || !take_buffers(&buffers, o, 1, 0)) return NULL;
-    int count = (int)length(&buffers, 0, sizeof(double));
-    const double *speeds = elements(&buffers, 0, count, sizeof(double));
-    vc_status status = speeds ? vc_begin_spray(core, speeds, count) : VC_INVALID;
-    release(&buffers);
-    return result(status);
+FUNCTION(begin_spray) {
+    Call call;
+    if (!vc_begin_call(&call, arguments, VC_CORE_NAME, 1, VC_READ, "")) return NULL;
+    int count = vc_length(&call, 0, sizeof(double));
+    const double *speeds = vc_elements(&call, 0, count, sizeof(double));
+    return vc_end_call(&call, speeds ? vc_begin_spray(call.object, speeds, count) : VC_INVALID);
 }
 
 /* core, (height, width) int32. */
-FUNCTION(bind_hidden_by_rain) {
-    (void)self;
-    PyObject *capsule, *o[1];
-    Buffers buffers;
-    if (!PyArg_ParseTuple(arguments, "OO", &capsule, o)) return NULL;
-    vc_core *core = core_of(capsule);
-    if (core == NULL || !take_buffers(&buffers, o, 1, 1)) return NULL;
-    Py_ssize_t count = (Py_ssize_t)core->camera.width_px * core->camera.height_px;
-    int32_t *hidden = elements(&buffers, 0, count, sizeof *hidden);
+FUNCTION(hidden_by_rain) {
+    Call call;
+    if (!vc_begin_call(&call, arguments, VC_CORE_NAME, 1, VC_WRITE, "")) return NULL;
+    vc_core *core = call.object;
+    int32_t *hidden = vc_elements(&call, 0, (Py_ssize_t)core->camera.width_px * core->camera.height_px, sizeof *hidden);
     if (hidden) vc_hidden_by_rain(core, hidden);
-    release(&buffers);
-    return result(VC_OK);
+    return vc_end_call(&call, hidden ? VC_OK : VC_INVALID);
 }
+
+static PyMethodDef METHODS[] = {
+    METHOD(set_wet_road, "Set how the road reflects."),
+    METHOD(set_puddles, "Set depths of water around a place."),
+    METHOD(set_spray, "Set the spray behind moving objects."),
+    METHOD(begin_spray, "Add spray to what the next frame shows."),
+    METHOD(hidden_by_rain, "Mark where reflections and spray hide the scene."),
+    {NULL, NULL, 0, NULL},
+};
+
+int vc_bind_road(PyObject *module) { return PyModule_AddFunctions(module, METHODS); }

@@ -34,6 +34,8 @@ vc_streaks *vc_streaks_new(const vc_rainfall *rainfall) {
 
 void vc_streaks_free(vc_streaks *streaks) { free(streaks); }
 
+const vc_camera *vc_streaks_camera(const vc_streaks *streaks) { return &streaks->rain.camera; }
+
 vc_air vc_streaks_air(const vc_streaks *streaks, const double *velocity_mps, double yaw_rad) {
     vc_view view;
     vc_view_at(&streaks->rain.camera, 0.0, 0.0, yaw_rad, &view);

@@ -34,6 +34,8 @@ typedef struct {
 vc_streaks *vc_streaks_new(const vc_rainfall *rainfall); /* NULL without memory */
 void vc_streaks_free(vc_streaks *streaks);               /* also of NULL */
 
+const vc_camera *vc_streaks_camera(const vc_streaks *streaks);
+
 /* The air that moves at a velocity (3,) m/s of the world's axes as a camera with this yaw sees it. */
 vc_air vc_streaks_air(const vc_streaks *streaks, const double *velocity_mps, double yaw_rad);
 /* Draws the drops of a moment. */
