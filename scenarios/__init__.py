@@ -3,6 +3,7 @@
 from vpf_sim.scenarios.files import AnyScenario, as_table, drawn_road, load, names, of_table, parse, summary
 from vpf_sim.scenarios.highway import HighwayScenario
 from vpf_sim.scenarios.kinds import SIZES, ObjectKind, Size
+from vpf_sim.scenarios.parts import Ability
 from vpf_sim.scenarios.random_road import RandomScenario
 from vpf_sim.scenarios.schema import Scenario
 
@@ -10,6 +11,7 @@ DrawnScenario = Scenario | HighwayScenario
 
 __all__ = [
     "SIZES",
+    "Ability",
     "AnyScenario",
     "DrawnScenario",
     "HighwayScenario",

@@ -9,7 +9,7 @@ from vpf_sim.scenarios.parts import (
     FASTEST_MPS,
     MOST_ROAD_M,
     CameraName,
-    ConsistentSection,
+    Exercise,
     Lanes,
     Limits,
     Section,
@@ -184,7 +184,7 @@ class HighwayGoal(Section):
     kind: Literal["reach"] = Field(default="reach", description="What the car does at the goal: cross its line.")
 
 
-class HighwayScenario(ConsistentSection):
+class HighwayScenario(Exercise):
     """A scenario file with a section `highway_env` in place of `road` and `bodies`.
 
     It is laid over the catalog's scenario of its id. The seed is highway-env's: it draws the traffic and the start.

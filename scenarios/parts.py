@@ -18,6 +18,18 @@ FASTEST_MPS = 60.0  # bounds of the observation space, as the next two
 FARTHEST_M = 8e4  # distance of the road's start from the origin
 LONGEST_S = 1e5
 
+Ability = Literal[
+    "keep-lane",
+    "pass-static",
+    "low-obstacles",
+    "follow",
+    "cut-in",
+    "oncoming",
+    "crossing",
+    "marks-and-shadows",
+    "worn-paint",
+    "cameras",
+]
 Interval = Annotated[tuple[float, float], Field(strict=False)]  # TOML has lists only
 Place = Annotated[float, Field(ge=-FARTHEST_M, le=FARTHEST_M)]
 Degrees = Annotated[float, Field(ge=-360.0, le=360.0)]
@@ -54,6 +66,24 @@ class ConsistentSection(Section):
     def faults(self) -> Iterator[str]:
         """Every fault, for any seed."""
         raise NotImplementedError
+
+
+class Exercise(ConsistentSection):
+    """A whole scenario: it says what a driver must be able to do, for tables of success by ability.
+
+    It drives the same whatever it says there, so its hash does not contain that.
+    """
+
+    abilities: Annotated[tuple[Ability, ...], Field(strict=False)] = Field(
+        default=(), repr=False, description="What a driver must be able to do to arrive."
+    )
+
+    @model_validator(mode="after")
+    def _names_each_ability_once(self) -> Self:
+        twice = [ability for ability in dict.fromkeys(self.abilities) if self.abilities.count(ability) > 1]
+        if twice:
+            raise ValueError(f"abilities: expected each once, got {twice[0]} {self.abilities.count(twice[0])} times")
+        return self
 
 
 class Line(Section):

@@ -15,6 +15,7 @@ from vpf_sim.scenarios.parts import (
     ConsistentSection,
     Degrees,
     Ego,
+    Exercise,
     Goal,
     Interval,
     Lanes,
@@ -120,7 +121,7 @@ class RandomRoad(ConsistentSection):
             yield f"free_gap_m: expected at most the carriageway, {2.0 * half_m:g} m, got {self.free_gap_m:g}"
 
 
-class RandomScenario(ConsistentSection):
+class RandomScenario(Exercise):
     """A scenario file with a section `random` in place of `road`, `goal` and `bodies`."""
 
     version: Literal[1] = Field(alias="schema")

@@ -6,13 +6,13 @@ from typing import Annotated, Literal, TypeVar
 from pydantic import Field
 
 from vpf_sim.scenarios import checks
-from vpf_sim.scenarios.parts import ConsistentSection, Ego, Goal, Limits, ObjectSpec, Road, Section, Vary
+from vpf_sim.scenarios.parts import Ego, Exercise, Goal, Limits, ObjectSpec, Road, Section, Vary
 from vpf_sim.seeding import stream
 
 SectionT = TypeVar("SectionT", bound=Section)
 
 
-class Scenario(ConsistentSection):
+class Scenario(Exercise):
     """A road, an ego car, a goal and objects (`bodies`); `draw` returns the scenario of a seed."""
 
     version: Literal[1] = Field(alias="schema")

@@ -107,6 +107,11 @@ class Thing(SimpleNamespace):
     __eq__ = object.__eq__
     __hash__ = object.__hash__
 
+    @property
+    def diagonal(self) -> float:
+        """m, as objects of highway-env have it."""
+        return float(np.hypot(self.LENGTH, self.WIDTH))
+
 
 def _thing(obj: Stands, road: Any) -> Any:
     size = SIZES[obj.kind]

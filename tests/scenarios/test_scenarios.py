@@ -188,3 +188,28 @@ def test_fields_that_came_later_change_a_scenarios_text_only_where_they_are_give
     given = type(road).model_validate({"lanes": road.lanes, "segments": list(road.segments), "widths": widths})
     assert "widths" not in repr(road)
     assert "widths" in repr(given)
+
+
+def test_abilities_are_not_part_of_what_is_driven() -> None:
+    """Runs store the hash of this text; a run of a scenario is the same whatever it says of abilities."""
+    named = scenarios.parse('abilities = ["follow", "crossing"]' + FILE, "my.toml")
+    assert named.abilities == ("follow", "crossing")
+    assert repr(named) == repr(scenarios.parse(FILE, "my.toml"))
+    assert scenarios.of_table(scenarios.as_table(named), "kept").abilities == named.abilities
+
+
+@pytest.mark.parametrize(
+    ("line", "fault"),
+    [
+        ('abilities = ["follow", "fly"]', r"abilities\[1\]: expected one of keep-lane, .*, got 'fly'"),
+        ('abilities = ["follow", "follow"]', "abilities: expected each once, got follow 2 times"),
+        ('abilities = "follow"', "abilities: expected a list, got 'follow'"),
+    ],
+)
+@pytest.mark.parametrize("base", ["straight", "random", "highway-v0"])
+def test_a_wrong_ability_is_one_line(line: str, fault: str, base: str) -> None:
+    text = f"{line}\nschema = 1\n" + (
+        '[highway_env]\nid = "highway-v0"' if base == "highway-v0" else f'base = "{base}"'
+    )
+    with pytest.raises(InputError, match=rf"^my\.toml: {fault}$"):
+        scenarios.parse(text, "my.toml")

@@ -57,6 +57,12 @@ class Step(NamedTuple):
     near_bearing_rad: float = nan  # of the nearest object's centre from the rear axle, off the heading, + is right
     near_bumper_m: float = nan  # from the front bumper to that object
     near_speed_mps: float = nan  # of that object
+    near_confirmed_m: float = nan  # from the bumper to that object at its first detection; nan if never detected
+    near_sticks_out_m: float = nan  # how far it reaches beyond what is reported of it, to a side or towards the car
+    wrong_ahead_m: float = nan  # from the bumper to the nearest false positive in the corridor
+    free_m: float = nan  # while the car stands or creeps: widest gap across the carriageway before it
+    reference_mps: float = nan  # speed that the driver's plan asks for
+    heading_error_rad: float = nan  # heading less the one that it asks for
     motion_right_m: float = (
         nan  # from the beginning of the motion planned in space and time to its path's end, + is right
     )
@@ -72,7 +78,7 @@ class Step(NamedTuple):
     rejected_collision: float = nan  # of those that were compared with the objects
 
 
-LATER = tuple(name for name in Step._fields if name.startswith(("motion_", "rejected_")))  # runs before lack them
+LATER = Step._fields[Step._fields.index("near_confirmed_m") :]  # runs of earlier versions lack them
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,10 +7,11 @@ from itertools import groupby
 from textwrap import shorten
 
 from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.metrics.failure import PERCEPTION, Failure
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.metrics.registry import COMPLETION
 from vpf_sim.reporting.cells import Order, shown, text_of
-from vpf_sim.reporting.kit.table import Table, formatted
+from vpf_sim.reporting.kit.table import NONE, Table, formatted
 
 MOST_REASON = 160  # letters
 SIGNS = {
@@ -36,6 +37,7 @@ class FailureGroup:
     driver: str
     status: str
     collided_with: str | None
+    failure: Failure | None
     reason: str
     seeds: tuple[int, ...]
     way: str  # route completion in percent: "12.0 to 55.2"
@@ -57,7 +59,7 @@ def endings(failed: Sequence[Record], reason: Callable[[str], str | None]) -> li
     """The failed records grouped, in their order of cells; `reason` returns the error of an id."""
 
     def alike(record: Record) -> tuple[str, ...]:
-        return (*record.cell, record.status, record.collided_with or "", reason(record.id) or "")
+        return (*record.cell, record.status, record.collided_with or "", record.failure or "", reason(record.id) or "")
 
     cells = {record.cell: number for number, record in reversed([*enumerate(failed)])}
     ordered = sorted(failed, key=lambda record: (cells[record.cell], alike(record), record.seed))
@@ -66,8 +68,15 @@ def endings(failed: Sequence[Record], reason: Callable[[str], str | None]) -> li
 
 def table(groups: Sequence[FailureGroup]) -> Table | None:
     """One row per group; None without any."""
-    rows = tuple((one.place, one.what, ranges(one.seeds), one.way) for one in groups)
-    return Table(("where", "ended by", "seeds", "route completed, %"), rows, words=3) if rows else None
+    rows = tuple((one.place, one.what, class_of(one.failure), ranges(one.seeds), one.way) for one in groups)
+    return Table(("where", "ended by", "why", "seeds", "route completed, %"), rows, words=4) if rows else None
+
+
+def class_of(failure: Failure | None) -> str:
+    """A class of failures by name: "perception: missed"."""
+    if failure is None:
+        return NONE
+    return f"perception: {failure}" if failure in PERCEPTION else failure
 
 
 def ranges(seeds: Sequence[int]) -> str:
@@ -82,7 +91,7 @@ def ranges(seeds: Sequence[int]) -> str:
 
 
 def _ending(key: tuple[str, ...], found: list[Record]) -> FailureGroup:
-    scenario, weather, driver, status, collided_with, reason = key
+    scenario, weather, driver, status, collided_with, _, reason = key
     driven = sorted(record[COMPLETION] or 0.0 for record in found)
     shares = list(dict.fromkeys(text_of(COMPLETION, share) for share in (driven[0], driven[-1])))
     seeds = tuple(record.seed for record in found)
@@ -92,6 +101,7 @@ def _ending(key: tuple[str, ...], found: list[Record]) -> FailureGroup:
         driver,
         status.replace("_", " "),
         collided_with or None,
+        found[0].failure,
         reason,
         seeds,
         " to ".join(shares),

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 from vpf_sim.errors import InputError
-from vpf_sim.reporting import answer, cells, clips, endings, figures, tables, video
+from vpf_sim.reporting import abilities, answer, cells, clips, endings, figures, tables, video
 from vpf_sim.reporting.cells import shown
 from vpf_sim.reporting.clips import EpisodeClip
 from vpf_sim.reporting.kit import interval_chart
@@ -60,6 +60,7 @@ def _tables(run_data: RunData) -> dict[str, Any]:
     rows, order, records = run_data.rows, run_data.order, list(run_data.records.values())
     compared = run_data.summary.comparisons
     return {
+        "abilities": abilities.abilities(run_data),
         "columns": cells.DRIVING,
         "groups": cells.groups(rows, order),
         "open_groups": MOST_OPEN,
@@ -87,6 +88,7 @@ def _failures(run_data: RunData) -> dict[str, Any]:
         "video_remedy": "" if video.is_available() else video.INSTALL,
         "example": example if example and run_data.run.steps(example) is not None else "",
         "failures": endings.table(found[:MOST_LISTED]),
+        "classes": abilities.failure_classes(run_data),
         "failed": len(run_data.failures()),
         "unlisted": sum(len(ending.seeds) for ending in found[MOST_LISTED:]),
     }

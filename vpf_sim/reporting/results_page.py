@@ -9,6 +9,7 @@ from vpf_sim.evaluation.analysis.rows import Row
 from vpf_sim.evaluation.metrics.registry import AT_FAULT, COLLISIONS, SUCCESS, columns
 from vpf_sim.evaluation.sweeps.fingerprint import commit_of
 from vpf_sim.evaluation.sweeps.plan import Plan, parse_seeds
+from vpf_sim.reporting import abilities
 from vpf_sim.reporting.cells import cell, driver_row, shown, text_of
 from vpf_sim.reporting.kit.table import NONE, Cell, Table, Value
 from vpf_sim.reporting.run_data import RunData, open_run
@@ -31,9 +32,17 @@ def make(paths: Iterable[Path]) -> str:
     subjects = [RunData.of(open_run(path)) for path in paths]
     perceived = [*_perceived(subjects)]
     parts = [HEAD, "## Driving\n", *_driving(subjects)]
+    parts += _section("Abilities", [abilities.abilities(subject) for subject in subjects])
+    parts += _section("Why episodes failed", [abilities.failure_classes(subject) for subject in subjects])
     parts += ["\n## Perception against ground truth", *perceived] if perceived else []
     parts += ["\n## Runs\n", *_runs(subjects)]
     return "\n".join(parts) + "\n"
+
+
+def _section(title: str, tables: Sequence[Table | None]) -> list[str]:
+    """The tables of the runs that have one, under a title."""
+    lines = [line for table in tables if table is not None for line in ("", *table.markdown())]
+    return [f"\n## {title}", *lines] if lines else []
 
 
 def _driving(subjects: Sequence[RunData]) -> Iterator[str]:

@@ -30,7 +30,7 @@ KEYS = {
     *("id", "scenario", "weather", "driver", "seed", "status", "route_completion", "path_mse_m2", "max_lane_offset_m"),
     *("accuracy", "collisions", "collided_with", "min_clearance_m", "driving_score_2_0", "driving_score_2_1"),
     *("invalid_frame", "comfort", "perception", "steps", "states_sha256", "frames_sha256", "chattering"),
-    *("collision_type", "at_fault_collisions", "path_mse_parts_m2"),
+    *("collision_type", "failure", "at_fault_collisions", "path_mse_parts_m2"),
 }
 PID_RUN = PidRun(np.arange(11.0), np.full(11, 0.5), np.zeros(11))
 ASKED: dict[str, Any] = {

@@ -12,6 +12,7 @@ from vpf_sim.evaluation.metrics import perception
 from vpf_sim.evaluation.metrics.perception import KINDS
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.truth.detections import DetectionScorer
+from vpf_sim.evaluation.truth.surroundings import free_width_m
 from vpf_sim.scenarios.parts import Road
 from vpf_sim.types import Obstacles
 
@@ -176,3 +177,64 @@ def test_a_driver_without_a_plan_has_no_detection_metrics() -> None:
     empty = perception.objects(table({**NONE}))
     assert empty is not None
     assert (empty["met"], empty["recall"], empty["precision"], empty["wrong_per_minute"]) == (0, None, None, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("feet", "sticks_out_m"),
+    [
+        ([(37.5, 0.0)], 0.0),  # 2 m wide, as the car
+        ([(37.5, 0.4)], 0.4),  # its left side
+        ([(37.5, -0.7)], 0.7),
+        ([(38.0, 0.0)], 0.5),  # nearer than reported
+        ([(36.5, 0.0)], 0.0),
+        ([(37.5, 0.6), (37.5, -0.6)], 0.0),  # both together cover it
+        ([(20.0, 0.0)], np.nan),
+        ([], np.nan),
+    ],
+)
+def test_what_sticks_out_of_a_detection(road: Any, feet: list[tuple[float, float]], sticks_out_m: float) -> None:
+    road.objects.append(box(road, 140.0, 0.0))
+    found = columns(DetectionScorer(), road, 100.0, detections(*feet))
+    assert found["near_sticks_out_m"] == pytest.approx(sticks_out_m, nan_ok=True)
+
+
+def test_the_nearest_object_keeps_its_first_confirmation(road: Any) -> None:
+    road.objects.append(box(road, 140.0, 0.0))
+    scorer = DetectionScorer()
+    assert np.isnan(columns(scorer, road, 100.0, detections())["near_confirmed_m"])
+    first_m = 140.0 - 2.5 - 110.0 - 0.5 * LENGTH_M
+    assert columns(scorer, road, 110.0, detections((27.5, 0.0)))["near_confirmed_m"] == pytest.approx(first_m)
+    assert columns(scorer, road, 130.0, detections())["near_confirmed_m"] == pytest.approx(first_m)
+
+
+def test_the_nearest_false_positive_ahead(road: Any) -> None:
+    road.objects.append(box(road, 140.0, 0.0))
+    reported = detections((37.5, 0.0), (24.0, 1.0), (12.0, -1.0), (8.0, 5.0))
+    assert columns(DetectionScorer(), road, 100.0, reported)["wrong_ahead_m"] == pytest.approx(12.0 - 0.5 * LENGTH_M)
+    assert np.isnan(columns(DetectionScorer(), road, 100.0, detections((37.5, 0.0)))["wrong_ahead_m"])
+
+
+@pytest.mark.parametrize(
+    ("bodies", "free_m"),
+    [
+        ([], 14.0),
+        ([(110.0, 0.0)], 6.0),
+        ([(110.0, 0.0), (112.0, 4.0)], 6.0),
+        ([(110.0, -3.0), (112.0, 3.0)], 4.0),
+        ([(110.0, -3.5), (112.0, -1.5), (111.0, 3.0)], 7.0 - 4.0),
+        ([(120.0, 0.0)], 14.0),  # farther
+        ([(96.0, 0.0)], 14.0),  # behind
+        ([(110.0, y) for y in (-6.0, -3.0, 0.0, 3.0, 6.0)], 1.0),
+    ],
+)
+def test_the_widest_gap_across_the_road(road: Any, bodies: list[tuple[float, float]], free_m: float) -> None:
+    """On a carriageway of 14 m, before a car at x = 100."""
+    others = [box(road, *place) for place in bodies]
+    ego = box(road, 100.0, 0.0, LENGTH_M, 1.9)
+    assert free_width_m(ego, others, road.network) == pytest.approx(free_m)
+
+
+def test_a_turned_object_takes_more_width(road: Any) -> None:
+    ego, other = box(road, 100.0, 0.0, LENGTH_M, 1.9), box(road, 110.0, 0.0)
+    other.heading = np.pi / 2.0
+    assert free_width_m(ego, [other], road.network) == pytest.approx(7.0 - 2.5)

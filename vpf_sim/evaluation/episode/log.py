@@ -12,10 +12,12 @@ from vpf_sim.envs.contacts import corners, nearest, solid_objects
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.truth import surroundings
 from vpf_sim.evaluation.truth.perception_errors import PerceptionErrors
+from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning.spacetime.motion import MotionPlan
 from vpf_sim.timing import timed
 from vpf_sim.types import Command, Image, Observation, Perception, Plan
 
+CREEPING_MPS = 0.5
 NO_FOE_PX = (nan, nan)  # a stationary car has no focus of expansion
 
 
@@ -57,6 +59,7 @@ class StepLog:
                 true_left_m=true_left_m,
                 true_right_m=true_right_m,
                 looked=float(used),
+                free_m=surroundings.free_width_m(ego, others, network) if observation.speed_mps < CREEPING_MPS else nan,
             )
         )
 
@@ -72,7 +75,11 @@ class StepLog:
 
     def _planned(self, plan: Plan) -> dict[str, float]:
         """The columns of a plan."""
-        columns = planned(plan.extra) if isinstance(plan.extra, MotionPlan) else {}
+        columns = {
+            "reference_mps": plan.reference.speed_mps,
+            "heading_error_rad": wrap_angle(self._steps[-1].yaw_rad - plan.reference.heading_rad),
+            **(planned(plan.extra) if isinstance(plan.extra, MotionPlan) else {}),
+        }
         if plan.perception is None:
             return columns
         return columns | perceived(plan.perception) | self._perception_errors.columns(plan.perception)

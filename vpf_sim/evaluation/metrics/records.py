@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, SkipValidation, ValidationError
 
 from vpf_sim.errors import InputError, shown, wrong_value
 from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.metrics.failure import Failure
 from vpf_sim.evaluation.metrics.metric import Metric
 from vpf_sim.evaluation.metrics.registry import MEASURES, TABLES
 from vpf_sim.evaluation.scores import Json, Number, flat, nested
@@ -38,6 +39,7 @@ class Record(Schema):
     invalid_frame: InvalidFrame | None = None
     collided_with: str | None = None
     collision_type: str | None = None
+    failure: Failure | None = None  # why it failed
     states_sha256: str | None = None
     frames_sha256: str | None = None  # None where the driver uses no frames
     fingerprint: str | None = None  # digest of the version that made it, if it is not the run's

@@ -3,6 +3,7 @@
 from hashlib import sha256
 
 from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.metrics.failure import failure_of
 from vpf_sim.evaluation.metrics.metric import Driven
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.metrics.registry import MEASURES, collision_type
@@ -26,6 +27,7 @@ def score(job: Job, outcome: Outcome, route: Floats, route_length_m: float) -> R
         invalid_frame=outcome.invalid_frame,
         collided_with=outcome.collided_with,
         collision_type=collision_type(driven),
+        failure=failure_of(outcome),
         states_sha256=sha256(outcome.steps.states()).hexdigest(),
         frames_sha256=outcome.frames_sha256,
     )

@@ -18,7 +18,9 @@ from dataclasses import dataclass
 from math import cos, hypot, nan, sin
 from typing import Any, NamedTuple
 
-from vpf_sim.envs.contacts import corners, solid_objects, to_local
+import numpy as np
+
+from vpf_sim.envs.contacts import corners, nearest, solid_objects, to_local
 from vpf_sim.envs.route import Network
 from vpf_sim.evaluation.metrics.perception import KINDS
 from vpf_sim.types import Obstacles
@@ -51,7 +53,7 @@ class DetectionScorer:
         self._met: deque[tuple[float, float]] = deque()
 
     def columns(self, reported: Obstacles, ego: Any, network: Network) -> dict[str, float]:
-        """Step-table columns: correct, false and new false detections in the corridor, and an object that was met.
+        """Step-table columns: correct, false and new false detections in the corridor, an object met, and the nearest.
 
         `met_kind` is the object's index in KINDS, `met_confirmed_m` the distance of its first confirmation, nan if
         never. Of several objects met in one frame, the others follow in the next frames.
@@ -65,13 +67,27 @@ class DetectionScorer:
         kind, confirmed_m = self._met.popleft() if self._met else (nan, nan)
         counted = [detection for detection in self.detections if detection.in_corridor]
         right = sum(bool(detection.owners) for detection in counted)
+        wrong_m = [detection.ahead_m for detection in counted if not detection.owners]
+        _, near = nearest(ego)
         return {
+            "wrong_ahead_m": min(wrong_m, default=nan),
+            "near_confirmed_m": self._confirmed_m.get(near, nan),
+            "near_sticks_out_m": nan if near is None else self._sticks_out_m(reported, ego, near),
             "objects_right": right,
             "objects_wrong": len(counted) - right,
             "new_wrong_objects": sum(detection.is_new for detection in counted),
             "met_kind": kind,
             "met_confirmed_m": confirmed_m,
         }
+
+    def _sticks_out_m(self, reported: Obstacles, ego: Any, obj: Any) -> float:
+        """How far an object reaches beyond all that is reported of it, m; nan where nothing is."""
+        own = [one.index for one in self.detections if obj in one.owners or obj in one.passed]
+        if not own:
+            return nan
+        forward, right = np.array(to_local(ego, corners(obj))).T
+        left_m, right_m = reported.left_m[own].min() - right.min(), right.max() - reported.right_m[own].max()
+        return max(float(left_m), float(right_m), float(reported.forward_m[own].min() - forward.min()), 0.0)
 
     def _matched(
         self,

@@ -1,7 +1,7 @@
 """Ground truth of the ego's surroundings at one step: lane, edges, time to collision. Hidden from drivers."""
 
 from collections.abc import Iterable
-from math import atan2, cos, hypot, inf, pi, radians, sin
+from math import atan2, cos, hypot, inf, nan, pi, radians, sin
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,6 +12,7 @@ from vpf_sim.envs.route import Network
 from vpf_sim.types import RoadEdges, VehicleModel
 
 BEFORE_M, AFTER_M = 25.0, 15.0  # the part of a route that counts as passing an obstacle
+BLOCKED_M = 12.0  # ahead of the bumper
 AHEAD_M = 10.0  # distance at which perceived edges are scored
 LEAST_CLOSING_MPS = 1e-9
 STATIONARY_MPS = 5e-3  # nuPlan's bound for the ego in the time to collision
@@ -75,6 +76,30 @@ def bumper_gap_m(ego: Any, obj: Any) -> float:
     front = 0.5 * ego.LENGTH * np.array([cos(ego.heading), sin(ego.heading)])
     bumper = SimpleNamespace(position=ego.position + front, heading=ego.heading, LENGTH=0.0, WIDTH=ego.WIDTH)
     return distance(bumper, obj)
+
+
+def free_width_m(ego: Any, others: Iterable[Any], network: Network) -> float:
+    """Widest gap, m, between objects within BLOCKED_M ahead of the bumper, across the carriageway at the ego.
+
+    nan where the road has no edges, as at a junction.
+    """
+    x, y = ego.position.tolist()
+    left, right = network.edges_at(x, y, ego.heading)
+    taken = []
+    for obj in others:
+        turn = obj.heading - ego.heading
+        half_along, half_across = (
+            0.5 * (obj.LENGTH * abs(along(turn)) + obj.WIDTH * abs(across(turn)))
+            for along, across in ((cos, sin), (sin, cos))
+        )
+        gap_m = obj.place[0] - ego.place[0] - 0.5 * ego.LENGTH
+        if -half_along < gap_m < BLOCKED_M + half_along:
+            middle = obj.place[1] - ego.place[1]
+            taken.append((middle - half_across, middle + half_across))
+    widest, free_from = 0.0, left
+    for start, end in (*sorted(taken), (right, right)):
+        widest, free_from = max(widest, min(start, right) - free_from), max(free_from, end)
+    return widest if left < right else nan
 
 
 def true_edges(ego: Any, network: Network) -> tuple[float, float]:
