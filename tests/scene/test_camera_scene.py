@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from made_scene import road
 
+from vpf_sim.perception.obstacles.crossing import Crossers
 from vpf_sim.perception.obstacles.prediction import none
 from vpf_sim.scene.camera import CameraScene, road_of
 from vpf_sim.types import Observation, Obstacles, RoadEdges
@@ -91,3 +92,23 @@ def test_an_obstacle_keeps_its_place_in_the_world() -> None:
     np.testing.assert_allclose(tracks.heading_rad, 0.0, atol=1e-9)
     assert tracks.speed_mps.tolist() == [0.0, 4.0]
     assert (made.ego.d_m, made.road.route_m) == (d_m, 0.0)
+
+
+def test_who_crosses_is_a_track_that_heads_across_after_some_frames() -> None:
+    scene, frames = CameraScene(), 8
+    for index in range(frames):
+        time_s = index / 20.0
+        here = observed(5.0 * time_s, 0.0, 0.0, time_s)
+        depth, right = np.array([15.0 - 5.0 * time_s]), 2.0 - 1.5 * time_s
+        some = np.array([0.3])
+        actor = Crossers(
+            depth, right - 0.3 + 0.0 * some, right + 0.3 + 0.0 * some, -1.5 + 0.0 * some, 0.0 * some, some, some
+        )
+        scene.observe(seen(edges_at(0.0, 0.0, 0.0)), here, actor)
+        if index == 0:
+            assert not len(scene.scene(here, 5.0).tracks), "one frame is not enough"
+    tracks = scene.scene(here, 5.0).tracks
+    assert tracks.heading_rad[0] == pytest.approx(-np.pi / 2.0, abs=0.15)
+    assert tracks.speed_mps[0] == pytest.approx(1.5, abs=0.2)
+    assert tracks.x_m[0] == pytest.approx(15.8, abs=0.5)
+    assert tracks.d_m[0] == pytest.approx(2.0 - 1.5 * (frames - 1) / 20.0, abs=0.2)

@@ -120,12 +120,14 @@ def test_existence_falls_without_detections_until_the_track_is_pruned() -> None:
     assert not len(tracker.table)
 
 
-def test_evidence_against_a_track_outweighs_its_detections() -> None:
+def test_detections_that_speak_against_a_track_end_it() -> None:
+    """As of an obstacle that turns out to be paint."""
     tracker = track(Motion(12.0), seconds=1.0)
     random = np.random.Generator(np.random.PCG64(1))
-    for _ in range(40):
-        tracker.update(detected([Motion(12.0).at(0.0)], random), 0.1, np.full(len(tracker.table), 1.0), 0.0)
-        tracker.weaken(np.full(len(tracker.table), 0.5))
+    for _ in range(60):
+        against = detected([Motion(12.0).at(0.0)], random)
+        against.gain[:] = -0.75
+        tracker.update(against, 0.5, np.full(len(tracker.table), 1.0 / RATE_HZ), 0.0)
     assert not len(tracker.reported)
 
 

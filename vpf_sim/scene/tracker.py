@@ -111,10 +111,6 @@ class SceneTracker:
             self._spawn(found.chosen(new))
         self._prune(ego_s_m)
 
-    def weaken(self, loss: Floats) -> None:
-        """Lower the log-odds of the tracks (K,) by evidence against them."""
-        self.table.gain = self.table.gain - loss
-
     @property
     def reported(self) -> Integers:
         """Rows of the tracks that are likelier than not."""
