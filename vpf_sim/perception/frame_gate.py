@@ -28,7 +28,9 @@ class BrightnessJumpConfig:
 class TornFrameConfig:
     rows: int = setting("least number of sampled rows at the bottom that repeat the last frame", ge=1)
     usual_share: float = setting("share of frames in which these rows may repeat, as a bonnet does", gt=0.0, lt=1.0)
-    settled: float = setting("weight of the last frame in that share", gt=0.0, le=1.0)
+    settled: float = setting(
+        "Weight of the last frame in the share of frames whose bottom rows repeat.", gt=0.0, le=1.0
+    )
 
 
 @settings

@@ -17,8 +17,8 @@ class YawRateCheckConfig:
 @settings
 class SpeedCheckConfig:
     stuck_s: float = setting("time without any change of the speed, over which the pose's speed is measured", gt=0.0)
-    error_mps: float = setting("largest difference to the pose's speed, plus", ge=0.0)
-    error_share: float = setting("this share of the reading", ge=0.0)
+    error_mps: float = setting("Largest difference to the pose's speed; `error_share` adds to it.", ge=0.0)
+    error_share: float = setting("Share of the measured speed that adds to the largest difference.", ge=0.0)
 
 
 @settings

@@ -37,13 +37,18 @@ class WiperConfig:
     swept_share: float = setting("share of the points that must jump in one frame", gt=0.0, lt=1.0)
     swept_least: int = setting("least number of points that must jump in one frame", ge=1)
     covered_levels: float = setting("mean difference of the window from which a point is covered", gt=0.0)
-    covered_ratio: float = setting("the same as a multiple of the median difference", gt=1.0)
+    covered_ratio: float = setting(
+        "Difference of the window from which a point counts as occluded, as a multiple of the median difference.",
+        gt=1.0,
+    )
 
 
 @settings
 class WindscreenPointConfig:
-    still_px: float = setting("largest motion of a windscreen point over its life, plus", gt=0.0)
-    still_share: float = setting("this share of the scene's motion", ge=0.0)
+    still_px: float = setting("Largest motion of a windscreen point over its life; `still_share` adds to it.", gt=0.0)
+    still_share: float = setting(
+        "Share of the scene's motion that adds to the largest motion of a windscreen point.", ge=0.0
+    )
     least_px: float = setting("least motion of the scene for a decision", gt=0.0)
     loose_px: float = setting("motion in a window that frees a point", gt=0.0)
 
@@ -52,8 +57,12 @@ class WindscreenPointConfig:
 class SettledPointConfig:
     kept_share: float = setting("share of a band that old points may fill", gt=0.0, le=1.0)
     age_windows: int = setting("age of an old point in windows", ge=1)
-    residual_px: float = setting("largest residual to the road's flow of a settled point, plus", ge=0.0)
-    residual_share: float = setting("this share of the road's flow", ge=0.0)
+    residual_px: float = setting(
+        "Largest residual of a settled point to the road's flow; `residual_share` adds to it.", ge=0.0
+    )
+    residual_share: float = setting(
+        "Share of the road's flow that adds to the largest residual of a settled point.", ge=0.0
+    )
 
 
 @settings
@@ -63,7 +72,7 @@ class FlowConfig:
     period_s: float = setting("between two tracked frames; the frames between are predicted by odometry", ge=0.0)
     window_px: int = setting("side of the Lucas-Kanade window, odd", ge=3)
     epsilon_px: float = setting("step at which Lucas-Kanade stops", gt=0.0)
-    window_s: float = setting("over which frames are chained", gt=0.0)
+    window_s: float = setting("Time over which the points of frames are chained.", gt=0.0)
     points: int = setting("tracked at most", ge=8)
     quality: float = setting("least Shi-Tomasi response as a share of the best", gt=0.0, lt=1.0)
     min_distance_px: float = setting("between two points", gt=0.0)
@@ -88,7 +97,7 @@ class FlowConfig:
 @settings
 class DirectionPriorConfig:
     side_sd_rad: float = setting("standard deviation of the direction of motion to the side", gt=0.0)
-    height_sd_rad: float = setting("the same up or down", gt=0.0)
+    height_sd_rad: float = setting("Standard deviation of the direction of motion up or down.", gt=0.0)
 
 
 @settings
@@ -100,7 +109,7 @@ class TemporalPriorConfig:
 @settings
 class RotationFitConfig:
     tilt_sd_radps: float = setting("standard deviation of the pitch rate and the roll rate", ge=0.0)
-    yaw_sd_radps: float = setting("the same of the yaw rate's error", ge=0.0)
+    yaw_sd_radps: float = setting("Standard deviation of the yaw rate's error.", ge=0.0)
 
 
 @settings
@@ -115,8 +124,12 @@ class RansacConfig:
 class FocusFitConfig:
     """Robust fit of the focus of expansion to derotated flow."""
 
-    tolerance_px: float = setting("error across the radial direction of one step between frames, plus", gt=0.0)
-    tolerance_ratio: float = setting("this share of its length; over n steps it grows with sqrt(n)", gt=0.0)
+    tolerance_px: float = setting(
+        "Error of one step between frames across the radial direction; `tolerance_ratio` adds to it.", gt=0.0
+    )
+    tolerance_ratio: float = setting(
+        "Share of the step's length that adds to its error; over n steps it grows with sqrt(n).", gt=0.0
+    )
     min_flow_px: float = setting("shorter motions do not vote", gt=0.0)
     least_points: int = setting("least number of voting points", ge=2)
     sharp_rad: float = setting("standard deviation of the direction that halves the confidence", gt=0.0)
@@ -128,7 +141,7 @@ class FocusFitConfig:
 
 @settings
 class ExpansionConfig:
-    method: Literal["as_printed", "least_squares", "robust"] = setting("of the focus of expansion")
+    method: Literal["as_printed", "least_squares", "robust"] = setting("Method that finds the focus of expansion.")
     fit: FocusFitConfig | None = setting("of the method `robust`, which needs it", default=None)
 
     def __post_init__(self) -> None:
@@ -143,21 +156,30 @@ class MountPitchConfig:
     first_sd_rad: float = setting("standard deviation of the mount pitch before any observation", gt=0.0)
     look_sd_rad: float = setting("noise of an observation besides its own: consecutive ones are correlated", gt=0.0)
     drift_sd_rad: float = setting("change in a second, as a random walk", gt=0.0)
-    least_rad: float = setting("least pitch that is applied; once it is, until half of this", gt=0.0)
+    least_rad: float = setting(
+        "Least mount pitch that is applied; an applied one is kept down to half of this.", gt=0.0
+    )
     step_rad: float = setting("least change that is applied", gt=0.0)
 
 
 @settings
 class PitchSidesConfig:
-    apart_rad: float = setting("largest difference between the left and the right half of the image, plus", ge=0.0)
-    apart_share: float = setting("this share of the pitch", ge=0.0)
+    apart_rad: float = setting(
+        "Largest difference in pitch between the left and the right half of the image; `apart_share` adds to it.",
+        ge=0.0,
+    )
+    apart_share: float = setting(
+        "Share of the pitch that adds to the largest difference between the two halves.", ge=0.0
+    )
 
 
 @settings
 class DynamicPitchConfig:
     settle_s: float = setting("time constant of the high-pass that removes the drift of the sum", gt=0.0)
     smoothness: float = setting("weight of a constant pitch rate within the window", ge=0.0, lt=1.0)
-    least_rad: float = setting("root mean square of the pitch from which it is compensated, until half of this", gt=0.0)
+    least_rad: float = setting(
+        "Root mean square from which the pitch is compensated, until it falls below half of this.", gt=0.0
+    )
     least_points: int = setting("least number of points for an estimate", ge=1)
     sides: PitchSidesConfig | None = setting("smaller pitch of two image halves that disagree", default=None)
 
@@ -171,18 +193,20 @@ class PitchConfig:
 @settings
 class OdometryCalibrationConfig:
     walk_m: float = setting("random walk of the pose's position in a second", gt=0.0)
-    walk_rad: float = setting("the same of its heading", gt=0.0)
+    walk_rad: float = setting("Random walk of the pose's heading in a second.", gt=0.0)
     scale_sd: float = setting("standard deviation of the speedometer's scale", gt=0.0)
     bias_sd_radps: float = setting("standard deviation of the yaw rate's bias", gt=0.0)
-    drift_share: float = setting("change of both in a second as a share of these, as a random walk", gt=0.0)
+    drift_share: float = setting(
+        "Random walk of scale and bias in a second, as a share of their standard deviations.", gt=0.0
+    )
 
 
 @settings
 class OdometryConfig:
     rough_m: float = setting("random walk of the position in a second from which the pose is replaced", gt=0.0)
-    rough_rad: float = setting("the same of the heading", gt=0.0)
-    settle_s: float = setting("time constant of both averages", gt=0.0)
-    watched_s: float = setting("before which the pose is not judged", gt=0.0)
+    rough_rad: float = setting("Random walk of the heading in a second from which the pose is replaced.", gt=0.0)
+    settle_s: float = setting("Time constant of the averages of position and heading.", gt=0.0)
+    watched_s: float = setting("Time from the start before which the pose is not judged.", gt=0.0)
     standstill_mps: float | None = setting("speed below which the vehicle stands", default=None, gt=0.0)
     calibration: OdometryCalibrationConfig | None = setting(
         "fit the speed's scale and the yaw rate's bias", default=None

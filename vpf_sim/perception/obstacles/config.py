@@ -29,8 +29,8 @@ class DashSeedConfig:
 class RecentMotionConfig:
     """A point's motion over the last window must fit its place: a track may slip on to something else."""
 
-    error_px: float = setting("largest error of the motion, plus", ge=0.0)
-    ratio: float = setting("this share of its length", ge=0.0)
+    error_px: float = setting("Largest error of the motion; `ratio` adds to it.", ge=0.0)
+    ratio: float = setting("Share of the motion's length that adds to its largest error.", ge=0.0)
 
 
 @settings
@@ -93,18 +93,21 @@ class LowObstacleConfig:
     sigma_height_m: float = setting("largest standard deviation of the height", ge=0.0)
     chi2_margin: float = setting("least excess of the chi2 of a point on the road", ge=0.0)
     line_m: float = setting("points within this distance of a lane line do not count: ends of dashes slide", ge=0.0)
-    line_px: float = setting("added to it in the image, half of the flow window", ge=0.0)
-    edge_m: float = setting("the same distance for edge lines", ge=0.0)
+    line_px: float = setting("Distance in the image that adds to `line_m`: half of the flow window.", ge=0.0)
+    edge_m: float = setting("Points within this distance of an edge line do not count.", ge=0.0)
     link_right_m: float = setting("points nearer than this, across, belong to one obstacle", ge=0.0)
-    link_forward_m: float = setting("the same along the road", ge=0.0)
+    link_forward_m: float = setting("Points nearer than this, along the road, belong to one obstacle.", ge=0.0)
     least_texture: float = setting("least texture of a point (small eigenvalue, grey levels^2 / px^2)", ge=0.0)
     least_points: int = setting("least number of points", ge=0)
     least_margin: float = setting("least sum of the chi2 margins over the points of an obstacle", ge=0.0)
     most_margin: float = setting("largest margin that one point adds", ge=0.0)
     beside_m: float = setting("points this near to a taller obstacle belong to it, unless they stick out", ge=0.0)
-    sticks_out_m: float = setting("this far beyond its side: the corner of a car's shadow does not", ge=0.0)
-    sticks_out_share: float = setting("or by this share of its width, beside narrow ones", gt=0.0)
-    before_m: float = setting("or this far before its face", ge=0.0)
+    sticks_out_m: float = setting(
+        "Distance beyond a taller obstacle's side at which points stick out; the corner of a car's shadow does not.",
+        ge=0.0,
+    )
+    sticks_out_share: float = setting("Share of a narrow obstacle's width by which points stick out beside it.", gt=0.0)
+    before_m: float = setting("Distance before a taller obstacle's face at which points stick out.", ge=0.0)
     part: NearbyConfig | None = setting("points beside one of a taller obstacle belong to it", default=None)
     on_top: OnTopConfig | None = setting("a narrower taller obstacle is the upper edge of a low one", default=None)
     parallax: ParallaxMatchConfig | None = setting("low points take the width of planar parallax", default=None)
@@ -145,8 +148,8 @@ class OncomingConfig:
     across_m: float = setting("largest distance across of points of one body", gt=0.0)
     lowest_m: float = setting("height above which a point below is no point of the road", gt=0.0)
     along_share: float = setting("share of the depth by which points of one body differ at most", gt=0.0)
-    nearest_ratio: float = setting("by which the vehicle is farther than it seems, at least", gt=1.0)
-    farthest_ratio: float = setting("by which the vehicle is farther than it seems, at most", gt=1.0)
+    nearest_ratio: float = setting("Least factor by which the vehicle is farther than it seems.", gt=1.0)
+    farthest_ratio: float = setting("Largest factor by which the vehicle is farther than it seems.", gt=1.0)
 
 
 @settings
@@ -167,8 +170,8 @@ class StaticObstacleConfig:
     sure_sigmas: float = setting("standard deviations of the depth between separate points", ge=0.0)
     hits_s: float = setting("time after which a point is confirmed", ge=0.0)
     hits_share: float = setting("least share of the frames since then in which it was above the road", ge=0.0)
-    steady_m: float = setting("largest change of its place in the world, plus", ge=0.0)
-    steady_ratio: float = setting("this share of the depth", ge=0.0)
+    steady_m: float = setting("Largest change of a point's place in the world; `steady_ratio` adds to it.", ge=0.0)
+    steady_ratio: float = setting("Share of the depth that adds to the largest change of a point's place.", ge=0.0)
     memory_s: float = setting("half the time over which hits count", ge=0.0)
     edge_margin_m: float = setting("least distance inside the carriageway's edges", ge=0.0)
     corner_texture: float = setting("texture of a clear corner (small eigenvalue, grey levels^2 / px^2)", ge=0.0)

@@ -42,7 +42,7 @@ class CrossingConfig:
     static_chi2: float = setting("chi2 above which a point does not belong to the static scene", gt=0.0)
     least_points: int = setting("points of an actor, at least", ge=2)
     least_mps: float = setting("speed across, at least", gt=0.0)
-    fastest_mps: float = setting("and at most", gt=0.0)
+    fastest_mps: float = setting("Largest speed across of an actor.", gt=0.0)
     farthest_m: float = setting("depth at most", gt=0.0)
 
 

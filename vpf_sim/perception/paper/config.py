@@ -9,10 +9,10 @@ Shape = Literal["full_frame", "below_horizon", "road_corridor", "horizon_corrido
 
 @settings
 class ContactConfig:
-    method: Literal["as_printed", "robust"] = setting("of the time to contact")
+    method: Literal["as_printed", "robust"] = setting("Method that finds the time to contact.")
     floor_px: float = setting("least motion that counts", gt=0.0)
     cap_s: float = setting("longest finite time to contact", gt=0.0)
-    least_points: int = setting("of a cluster with a time to contact of its own", ge=1)
+    least_points: int = setting("Least number of points of a cluster with a time to contact of its own.", ge=1)
 
 
 @settings
@@ -46,7 +46,7 @@ class ObstacleMapConfig:
     disc_px: float = setting("radius of the disc that a point marks", gt=0.0)
     normalisation: Literal["as_printed", "proper"] = setting("of the Gaussian")
     noise_px: float = setting("standard deviation of a displacement", ge=0.0)
-    ratio: float = setting("of the road's flow, that the residual must exceed as well", ge=0.0)
+    ratio: float = setting("Share of the road's flow that the residual must exceed as well.", ge=0.0)
     min_points: int = setting("marked points that a cluster needs", ge=1)
     weight: Literal["none", "ttc"] = setting("of a point: 1, or 1 - TTC / `horizon_s`")
     horizon_s: float = setting("of the weight", gt=0.0)

@@ -62,13 +62,15 @@ class NearPartConfig:
 class RoadFilterConfig:
     """Kalman filter of the road's state."""
 
-    drift_m: float = setting("process noise of the lateral place in a metre of way", gt=0.0)
-    drift_rad: float = setting("of the heading", gt=0.0)
+    drift_m: float = setting("Process noise of the lateral place in a metre travelled.", gt=0.0)
+    drift_rad: float = setting("Process noise of the heading in a metre travelled.", gt=0.0)
     drift_curvature_per_m: tuple[float, float, float, float] = setting("of the curvature at each node")
-    drift_width_m: float = setting("of the lane width", gt=0.0)
-    drift_pitch_rad: float = setting("of the camera's pitch", gt=0.0)
+    drift_width_m: float = setting("Process noise of the lane width in a metre travelled.", gt=0.0)
+    drift_pitch_rad: float = setting("Process noise of the camera's pitch in a metre travelled.", gt=0.0)
     shared_curvature_per_m: float = setting("initial standard deviation of the curvature of all nodes", gt=0.0)
-    added_curvature_per_m: float = setting("and of each node's difference to the one before", gt=0.0)
+    added_curvature_per_m: float = setting(
+        "Standard deviation of each node's difference in curvature to the one before.", gt=0.0
+    )
     tightest_per_m: float = setting("largest curvature", gt=0.0)
     turned_rad: float = setting("largest heading at which lines are tracked", gt=0.0)
     steepest_rad: float = setting("largest pitch", gt=0.0)
@@ -99,9 +101,9 @@ class RoadFilterConfig:
 class FirstGuessConfig:
     """Standard deviations of a road that was found from scratch."""
 
-    sigma_m: float = setting("of the lateral place", gt=0.0)
-    sigma_rad: float = setting("of the heading", gt=0.0)
-    width_sigma_m: float = setting("of the lane width", gt=0.0)
+    sigma_m: float = setting("Standard deviation of the lateral place.", gt=0.0)
+    sigma_rad: float = setting("Standard deviation of the heading.", gt=0.0)
+    width_sigma_m: float = setting("Standard deviation of the lane width.", gt=0.0)
     mounted_rad: float = setting("of the pitch before any road was tracked", gt=0.0)
     pitched_rad: float = setting("of the pitch afterwards", gt=0.0)
     corrections: int = setting("by the same frame", ge=1)
@@ -115,7 +117,7 @@ class GuessCheckConfig:
 @settings
 class RefutationConfig:
     frames: int = setting("consecutive frames in which other lines are visible", ge=1)
-    way_m: float = setting("and the way in which they are", ge=0.0)
+    way_m: float = setting("Distance travelled while other lines are visible.", ge=0.0)
 
 
 @settings
@@ -191,17 +193,19 @@ class RoadEdgeConfig:
     new_road_m: float = setting("least way between two judgements", ge=0.0)
     ridge_reach_m: float = setting("from a line to the background at both sides", gt=0.0)
     centroid_m: float = setting("about the strongest response, whose centroid is the line", gt=0.0)
-    least_contrast: float = setting("of a line, grey levels", gt=0.0)
-    sigma_m: float = setting("standard deviation of an observation, plus", gt=0.0)
-    sigma_px: float = setting("this in the image", ge=0.0)
+    least_contrast: float = setting("Least contrast of a line in grey levels.", gt=0.0)
+    sigma_m: float = setting("Standard deviation of an observation on the road; `sigma_px` adds to it.", gt=0.0)
+    sigma_px: float = setting("Standard deviation of an observation in the image, in addition.", ge=0.0)
     least_rows: int = setting("observations without which a frame is ignored", ge=1)
     least_comb: float = setting("least score of a road found from scratch", ge=0.0)
-    lost_sigma_m: float = setting("standard deviation of the lateral place of a lost road", gt=0.0)
-    lost_share: float = setting("the same as a share of a lane, for which it is forgotten", gt=0.0)
+    lost_sigma_m: float = setting("Standard deviation of the lateral place at which the road is forgotten.", gt=0.0)
+    lost_share: float = setting(
+        "Standard deviation of the lateral place, as a share of a lane, at which the road is forgotten.", gt=0.0
+    )
     facing_rad: float = setting("heading beyond which a lost road is forgotten", gt=0.0)
-    narrowest_lane_m: float = setting("of the search", gt=0.0)
-    widest_lane_m: float = setting("of the search", gt=0.0)
-    width_step_m: float = setting("of the search", gt=0.0)
+    narrowest_lane_m: float = setting("Width of the narrowest lane that is searched for.", gt=0.0)
+    widest_lane_m: float = setting("Width of the widest lane that is searched for.", gt=0.0)
+    width_step_m: float = setting("Step between the lane widths that are searched for.", gt=0.0)
     wider_m: float = setting("by which a tracked lane may lie outside these widths", ge=0.0)
     unlikely_per_m: float = setting("lines that a lane 1 m off `lane_width_m` must explain more", ge=0.0)
     keeps_width: bool = setting("whether a lost road is searched with its last lane width")

@@ -20,7 +20,7 @@ class BrakingConfig:
 
     comfort_mps2: float = setting("deceleration before a blocked road", gt=0.0)
     emergency_mps2: float = setting("deceleration before an obstacle that is too near for comfort", gt=0.0)
-    reaction_s: float = setting("until brake or steering takes effect", ge=0.0)
+    reaction_s: float = setting("Time until brake or steering takes effect.", ge=0.0)
     standoff_m: float = setting("kept when stopping", gt=0.0)
     closest_standoff_m: float = setting("kept when creeping up to an obstacle", gt=0.0)
     cautious_mps: float = setting("least speed where little is seen", gt=0.0)
@@ -31,8 +31,8 @@ class BrakingConfig:
 class PartsConfig:
     """Which obstacles are a part of another one before them."""
 
-    least_behind_m: float = setting("from the face of the other one to a part, at least", ge=0.0)
-    most_behind_m: float = setting("and at most", gt=0.0)
+    least_behind_m: float = setting("Least distance of a part behind the face of the other one.", ge=0.0)
+    most_behind_m: float = setting("Largest distance of a part behind the face of the other one.", gt=0.0)
     beyond_m: float = setting("a part lies at most so far beyond a side of the other one", ge=0.0)
     share: float = setting("of a part's width that lies behind the other one, at least", ge=0.0, le=1.0)
 
@@ -40,7 +40,7 @@ class PartsConfig:
 @settings
 class MeetConfig:
     time_s: float = setting("a moving obstacle is avoided from when it is met in this time", gt=0.0)
-    gap_m: float = setting("kept from it besides", ge=0.0)
+    gap_m: float = setting("Gap that is kept from a moving obstacle in addition.", ge=0.0)
 
 
 @settings
@@ -52,8 +52,8 @@ class CornerSwingConfig:
 class ObstacleConfig:
     """Which obstacles count, and how they lie to each other."""
 
-    visible_m: float = setting("an obstacle counts from this way on", gt=0.0)
-    full_m: float = setting("and in full from this way on", gt=0.0)
+    visible_m: float = setting("Distance ahead within which an obstacle counts.", gt=0.0)
+    full_m: float = setting("Distance ahead within which an obstacle counts in full.", gt=0.0)
     length_m: float = setting("length of an obstacle, at least: its rear is not seen", gt=0.0)
     long_m: float = setting("length of a truck, or of a moving obstacle, at least", gt=0.0)
     truck_width_m: float = setting("an obstacle that is wider may be a truck", gt=0.0)
@@ -83,13 +83,13 @@ class RowCostConfig:
 
 @settings
 class MemoryConfig:
-    height: float = setting("for leaving the surroundings of the last minimum", ge=0.0)
-    reach_m: float = setting("of these surroundings", gt=0.0)
+    height: float = setting("Cost of leaving the surroundings of the last minimum.", ge=0.0)
+    reach_m: float = setting("Half of the width of the surroundings of the last minimum.", gt=0.0)
 
 
 @settings
 class NarrowPlanConfig:
-    height: float = setting("of the latch towards a narrow gap", ge=0.0)
+    height: float = setting("Height of the latch towards a narrow gap.", ge=0.0)
     near_m: float = setting("from the minimum, a car has gone there", gt=0.0)
 
 
@@ -107,7 +107,7 @@ class LatchConfig:
 @settings
 class CrossingConfig:
     time_s: float = setting("to get to the other side", gt=0.0)
-    gap_m: float = setting("kept besides", gt=0.0)
+    gap_m: float = setting("Gap that is kept in addition.", gt=0.0)
     behind_m: float = setting("a car nearer to the obstacle's middle has chosen no side", ge=0.0)
 
 
@@ -121,8 +121,8 @@ class BesideConfig:
 class LateralCostConfig:
     """The cost across the lane."""
 
-    reach_m: float = setting("of the grid, to both sides of the own lane's middle", gt=0.0, le=100.0)
-    spacing_m: float = setting("of the grid", ge=0.01)
+    reach_m: float = setting("Reach of the grid to both sides of the own lane's middle.", gt=0.0, le=100.0)
+    spacing_m: float = setting("Spacing of the grid.", ge=0.01)
     target_per_m2: float = setting("k", gt=0.0)
     obstacle_height: float = setting("h_o", ge=0.0)
     obstacle_slope_per_m: float = setting("s_o", ge=0.0)
@@ -154,14 +154,14 @@ class LimitsConfig:
     fast_mps: float = setting("from this speed on `ratio` holds", gt=0.0)
     acceleration_mps2: float = setting("largest lateral acceleration", gt=0.0)
     steering_radps: float = setting("rate that a path asks of the steering at most", gt=0.0)
-    yaw_acceleration_radps2: float = setting("and of the car", gt=0.0)
+    yaw_acceleration_radps2: float = setting("Largest yaw acceleration of the car.", gt=0.0)
     radius_factor: float = setting("of the tightest curve: the steering takes time to get there", ge=1.0)
     edge: EdgeConfig | None = setting("Turns towards an edge no more than the car's corners allow.", default=None)
 
 
 @settings
 class WaitConfig:
-    reaction_s: float = setting("besides the way that the shift takes", ge=0.0)
+    reaction_s: float = setting("Time to react, in addition to the distance that the shift takes.", ge=0.0)
     slope: float = setting("of a path that has not left its place yet, at most", gt=0.0)
 
 
@@ -212,7 +212,7 @@ class UnwindConfig:
 @settings
 class CreepConfig:
     standing_s: float = setting("at standstill, before each of two stages", gt=0.0)
-    speed_mps: float = setting("of creeping", gt=0.0)
+    speed_mps: float = setting("Speed of creeping.", gt=0.0)
 
 
 @settings
@@ -221,7 +221,7 @@ class SpeedConfig:
 
     near_m: float = setting("where an emergency stop ends", gt=0.0)
     turn_m: float = setting("least way on which the tightest turn leads out", gt=0.0)
-    time_gap_s: float = setting("kept from a moving obstacle besides the standoff", ge=0.0)
+    time_gap_s: float = setting("Time gap that is kept from a moving obstacle in addition to the standoff.", ge=0.0)
     fall_back_mps: float = setting("by which a too near moving obstacle is let go ahead", gt=0.0)
     bend_mps2: float | None = setting("Largest lateral acceleration in bends.", default=None, gt=0.0)
     narrow_gap: NarrowGapConfig | None = setting("Slows beside near obstacles.", default=None)
@@ -240,8 +240,8 @@ class SpeedConfig:
 class ClearDistanceConfig:
     """The stop that must be possible within what is seen."""
 
-    brake_mps2: float = setting("of the stop", gt=0.0)
-    standoff_m: float = setting("of the stop", gt=0.0)
+    brake_mps2: float = setting("Deceleration of the stop.", gt=0.0)
+    standoff_m: float = setting("Distance from the obstacle at which the car stops.", gt=0.0)
     enough_share: float = setting("of the reference speed: a view that allows as much is a good one", gt=0.0)
 
 

@@ -19,14 +19,14 @@ class CandidatesConfig:
 class CostConfig:
     """Costs in rad: the largest angle to the road counts in full."""
 
-    clearance_per_m: float = setting("of clearance, less", ge=0.0)
+    clearance_per_m: float = setting("Cost that a metre of clearance saves.", ge=0.0)
     enough_m: float = setting("clearance, more is no better", gt=0.0)
-    length_per_m: float = setting("of length", ge=0.0)
+    length_per_m: float = setting("Cost of a metre of length.", ge=0.0)
 
 
 @settings
 class BeginConfig:
-    way_m: float = setting("of a manoeuvre", gt=0.0)
+    way_m: float = setting("Length of a manoeuvre.", gt=0.0)
     least_m: float = setting("clearance on it, at least", gt=0.0)
 
 
@@ -39,7 +39,7 @@ class NewObstacleConfig:
 @settings
 class PassConfig:
     width_m: float = setting("an obstacle that is wider may be a truck", gt=0.0)
-    length_m: float = setting("of a truck", gt=0.0)
+    length_m: float = setting("Length of a truck.", gt=0.0)
 
 
 @settings

@@ -41,7 +41,7 @@ class RoadFieldConfig:
     c2_curved_per_m: float = setting("c_2 of a curved road, n = 2")
     x_offset_m: float = setting("delta x, of the printed form", gt=0.0)
     foe_dead_band_px: float = setting("of the FOE about the centre: the road is straight", ge=0.0)
-    foe_median_s: float = setting("over which the FOE's median is taken", ge=0.0)
+    foe_median_s: float = setting("Time over which the FOE's median is taken.", ge=0.0)
     edges: Literal["carriageway", "lane", "preferred"] = setting(
         "of the carriageway; of the own lane; preferred: the right edge, mirrored at the own lane's middle"
     )

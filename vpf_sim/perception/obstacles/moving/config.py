@@ -12,7 +12,9 @@ class ContrastConfig:
 
     weight: float = setting("log-odds per unit of contrast of the upper quartile", ge=0.0)
     wet_faint: float = setting("contrast below which points speak against a track, on a wet road")
-    dry_faint: Pair = setting("the same on a dry road, near and far: far points may be asphalt")
+    dry_faint: Pair = setting(
+        "Contrast below which points speak against a track on a dry road, near and far: far points may be asphalt."
+    )
     faint_m: Pair = setting("the depths that near and far mean")
 
 
@@ -40,8 +42,8 @@ class EvidenceConfig:
 class ReflectivityConfig:
     """Estimate of how far the road mirrors, by the share of its points that seem to lie below it."""
 
-    dry_share: float = setting("of these points on a dry road", ge=0.0)
-    wet_share: float = setting("of these points on a mirroring road", gt=0.0)
+    dry_share: float = setting("Share of these points on a dry road.", ge=0.0)
+    wet_share: float = setting("Share of these points on a mirroring road.", gt=0.0)
     memory_s: float = setting("time constant", gt=0.0)
 
 
@@ -98,21 +100,23 @@ class MovingObstacleConfig:
     follow_bearing: float = setting("tangent beyond which a vehicle is predicted", gt=0.0)
     link_m: float = setting("half the width of a candidate's outline", gt=0.0)
     foot_ratio: float = setting("a candidate's points lie below its foot by this ratio of the drop, at most", ge=1.0)
-    half_width_m: float = setting("of a narrow vehicle", gt=0.0)
+    half_width_m: float = setting("Half of the width of a narrow vehicle.", gt=0.0)
     speed_sigma_mps: float = setting("standard deviation of a new track's speed", gt=0.0)
-    speed_sigma_ratio: float = setting("the same besides, as a share of its closing speed", ge=0.0)
+    speed_sigma_ratio: float = setting(
+        "Standard deviation of the speed that adds to it, as a share of the vehicle's closing speed.", ge=0.0
+    )
     glass_m: float = setting("depth below the camera from which up windows show the background")
     alike_ratio: float = setting("of the inverse depth, by which the points of a candidate may differ", ge=0.0)
     slowest_share: float = setting("largest closing speed of a candidate, as a share of the own speed", gt=0.0)
     as_fast_share: float = setting("of the own speed: vehicles as fast seem to stick to the windscreen", ge=0.0)
-    length_m: float = setting("of a vehicle", gt=0.0)
+    length_m: float = setting("Length of a vehicle.", gt=0.0)
     steep_m: float = setting("nearer than this the road is seen too steeply to mirror", ge=0.0)
     edge_margin_m: float = setting("inside the carriageway's edges is the middle of a vehicle")
     margin_m: float = setting("about the outline of a track", ge=0.0)
-    margin_ratio: float = setting("about the outline of a track besides, as a share of its depth", ge=0.0)
+    margin_ratio: float = setting("Margin about a track's outline that adds to it, as a share of its depth.", ge=0.0)
     below_road: float = setting("lower end of an outline, in heights of the camera", ge=1.0)
     about_m: float = setting("beyond that margin, where its sides are searched", ge=0.0)
-    tallest_m: float = setting("of a vehicle", gt=0.0)
+    tallest_m: float = setting("Largest height of a vehicle.", gt=0.0)
     independent_s: float = setting("observations this far apart count in full", gt=0.0)
     confirmed: float = setting("log-odds from which a track is confirmed")
     most: float = setting("log-odds, at most; below the negative a tentative track is pruned", gt=0.0)

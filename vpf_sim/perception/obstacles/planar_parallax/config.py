@@ -15,15 +15,17 @@ def odd_cells(window_m: Pair, cell_m: float) -> tuple[int, int]:
 class SensingRangeConfig:
     """The difference that a faint pallet 0.12 to 0.15 m high makes, and how observations are averaged."""
 
-    grains: float = setting("that difference in multiples of the grain's", gt=0.0)
-    grains_at_m: float = setting("from the pose, where it is so large", gt=0.0)
-    power: float = setting("of the distance, by which it falls", gt=0.0)
-    far_m: float = setting("beyond it few observations show a height", gt=0.0)
-    half_width_m: float = setting("of the strip of road ahead", gt=0.0)
+    grains: float = setting("Difference that the pallet makes, in multiples of the grain's.", gt=0.0)
+    grains_at_m: float = setting("Distance from the pose at which the difference is `grains`.", gt=0.0)
+    power: float = setting("Power of the distance by which the difference falls.", gt=0.0)
+    far_m: float = setting("Distance beyond which few observations show a height.", gt=0.0)
+    half_width_m: float = setting("Half of the width of the strip of road ahead.", gt=0.0)
     spare_looks: float = setting("observations more than a tentative track needs: some fail by chance", gt=0.0)
     good_share: float = setting("of observations that detect a pallet on a dry, grainy road", gt=0.0)
-    looks: float = setting("observations averaged over", gt=0.0)
-    grain_looks: float = setting("the same for the grain: mirror images pass, it stays", gt=0.0)
+    looks: float = setting("Number of observations that are averaged.", gt=0.0)
+    grain_looks: float = setting(
+        "Number of observations of the grain that are averaged: mirror images pass, the grain stays.", gt=0.0
+    )
 
 
 @settings
@@ -51,9 +53,9 @@ class ParallaxConfig:
     near_m: float = setting("near end of the patch, from the pose", gt=0.0)
     far_m: float = setting("far end of the patch, from the pose", gt=0.0)
     noise_far_m: float = setting("up to which the noise is measured: farther, two pictures of a road hardly differ")
-    half_width_m: float = setting("of the patch", gt=0.0)
+    half_width_m: float = setting("Half of the width of the patch.", gt=0.0)
     border_m: float = setting("by which the older patch is wider, for turns", ge=0.0)
-    cell_m: float = setting("of the patch", gt=0.0)
+    cell_m: float = setting("Side of a cell of the patch.", gt=0.0)
     above_m: tuple[float, ...] = setting("heights above the road that are tested", min_length=1)
     window_m: Pair = setting("along and across, over which differences are summed")
     floor_levels2: float = setting("of the noise, grey levels^2", gt=0.0)
@@ -95,9 +97,11 @@ class LowTrackConfig:
     across_m: float = setting("observations nearer than this are of one track", gt=0.0)
     newest: float = setting("weight of the newest observation for place and sides", gt=0.0, le=1.0)
     sigma_m: float = setting("of the face of a low obstacle", gt=0.0)
-    beside_m: float = setting("a track so near a taller obstacle belongs to it,", ge=0.0)
-    sticks_out_m: float = setting("unless it reaches so far out of it,", ge=0.0)
-    before_m: float = setting("or begins farther before its face than mirror images do", ge=0.0)
+    beside_m: float = setting("A track within this distance beside a taller obstacle belongs to it.", ge=0.0)
+    sticks_out_m: float = setting("Distance by which a track of its own reaches out beside a taller obstacle.", ge=0.0)
+    before_m: float = setting(
+        "Distance before an obstacle's face from which a low one begins, farther than mirror images do.", ge=0.0
+    )
     least_width_m: float = setting("of a reported obstacle", ge=0.0)
     gain_weight: GainWeightConfig | None = setting("faint observations count less than clear ones", default=None)
     clutter: ClutterConfig | None = setting("tracks need more hits while new ones begin often", default=None)
