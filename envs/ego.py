@@ -97,11 +97,11 @@ class Ego(Vehicle):  # type: ignore[misc]
         beta, along = self._slip_rad(steering_rad), float(self.action["acceleration"])
         if self.friction is None:
             return beta, along
-        asked = hypot(along, self.speed**2 * sin(beta) / self.model.l_r_m)
+        requested = hypot(along, self.speed**2 * sin(beta) / self.model.l_r_m)
         held = self.friction * GRAVITY_MPS2
-        if asked <= held:
+        if requested <= held:
             return beta, along
-        return asin(sin(beta) * held / asked), along * held / asked
+        return asin(sin(beta) * held / requested), along * held / requested
 
     @property
     def yaw_rate_radps(self) -> float:

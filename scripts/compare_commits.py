@@ -159,17 +159,17 @@ def _leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 
 def main() -> int:
     """Compare, print the differences, and return the exit code."""
-    asked = _parser().parse_args()
+    requested = _parser().parse_args()
     with TemporaryDirectory(prefix="compare-commits-") as temporary:
-        folder = Path(temporary) if asked.keep is None else asked.keep.resolve()
-        before = Commit(asked.before, folder / "before")
-        after = Commit(asked.after, folder / "after")
-        grid = {"scenario": before.scenarios(), **(SMALL if asked.small else DEFAULT)}
-        grid |= {key: _places(getattr(asked, key)) for key in grid if getattr(asked, key)}
-        one, two = before.sweep(grid, asked.workers), after.sweep(grid, asked.workers)
+        folder = Path(temporary) if requested.keep is None else requested.keep.resolve()
+        before = Commit(requested.before, folder / "before")
+        after = Commit(requested.after, folder / "after")
+        grid = {"scenario": before.scenarios(), **(SMALL if requested.small else DEFAULT)}
+        grid |= {key: _places(getattr(requested, key)) for key in grid if getattr(requested, key)}
+        one, two = before.sweep(grid, requested.workers), after.sweep(grid, requested.workers)
         differ, driven = list(hashes_that_differ(one, two)), len(one.keys() | two.keys())
-        for driver in grid["driver"] if asked.replay else []:
-            one, two = before.replay(asked.replay, driver), after.replay(asked.replay, driver)
+        for driver in grid["driver"] if requested.replay else []:
+            one, two = before.replay(requested.replay, driver), after.replay(requested.replay, driver)
             differ += [f"{driver} on {line}" for line in records_that_differ(one, two)]
             driven += len(one.keys() | two.keys())
     for line in differ:

@@ -117,11 +117,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("runs", nargs="*", type=Path)
     parser.add_argument("--drivers", nargs="+", default=list(DRIVERS))
-    asked = parser.parse_args()
-    times = times_ms(asked.runs)
+    requested = parser.parse_args()
+    times = times_ms(requested.runs)
     print("| driver | files | lines of code | settings | weights | ms a step |")
     print("|---|---:|---:|---:|---:|---:|")
-    for driver in asked.drivers:
+    for driver in requested.drivers:
         found = measured(driver)
         lines = sum(code_lines(Path(path), first) for path, first in found["functions"].items())
         settings = found["settings"] + sum(constants(Path(path)) for path in found["functions"])

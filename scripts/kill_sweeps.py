@@ -39,8 +39,8 @@ def sweep(folder: Path, out: Path, *more: str) -> list[str]:
     """The command that starts or resumes the sweep."""
     grid = ["--scenario", str(folder / "short.toml"), "--driver", "pid", "--driver", "neutral"]
     resume = ["--resume"] if (out / "manifest.json").exists() else []
-    asked = [*grid, "--seeds", f"0:{SEEDS}", "--out", str(out), *resume, *more]
-    return [sys.executable, "-m", "vpf_sim.cli", "sweep", *asked]
+    requested = [*grid, "--seeds", f"0:{SEEDS}", "--out", str(out), *resume, *more]
+    return [sys.executable, "-m", "vpf_sim.cli", "sweep", *requested]
 
 
 def contents(out: Path) -> Contents:

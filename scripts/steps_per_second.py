@@ -61,14 +61,14 @@ def main() -> None:
     parser.add_argument("--weathers", nargs="+", default=["clear", "rain"])
     parser.add_argument("--counts", nargs="+", type=int, default=[1, 2])
     parser.add_argument("--seconds", type=float, default=4.0, help="of each of three runs")
-    asked = parser.parse_args()
-    kinds = [("sync", asked.counts[0]), *(("async", count) for count in asked.counts)]
+    requested = parser.parse_args()
+    kinds = [("sync", requested.counts[0]), *(("async", count) for count in requested.counts)]
     print("| picture | weather | " + " | ".join(f"{mode}, {count}" for mode, count in kinds) + " |")
     print("|---|---|" + "---|" * len(kinds))
-    for size in asked.sizes:
+    for size in requested.sizes:
         width, height = (int(part) for part in size.split("x"))
-        for weather in asked.weathers:
-            rates = [rate(count, mode, (width, height), weather, asked.seconds) for mode, count in kinds]
+        for weather in requested.weathers:
+            rates = [rate(count, mode, (width, height), weather, requested.seconds) for mode, count in kinds]
             print(f"| {size} | {weather} | " + " | ".join(f"{value:,.0f}" for value in rates) + " |", flush=True)
     print(f"\nload average {os.getloadavg()[0]:.1f}")
 

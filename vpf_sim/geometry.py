@@ -43,11 +43,6 @@ def distance_m(one: Floats, other: Floats) -> float:
     return float(np.hypot(*(one - other)[:2]))
 
 
-def is_same(pose: Floats, other: Floats) -> bool:
-    """Whether two poses are equal; poses of static objects are mostly one array."""
-    return pose is other or pose.tolist() == other.tolist()
-
-
 def mounting_in_words(pitch_deg: float, yaw_deg: float) -> str:
     """A camera's mounting as text; pitch is + down, yaw + to the right."""
     vertical, lateral = "down" if pitch_deg >= 0.0 else "up", "right" if yaw_deg >= 0.0 else "left"

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from straight_road import NEUTRAL, constantly, drive
+from transforms import mirrored
 
 from vpf_sim import scenarios
 from vpf_sim.envs.camera.layout import lane_shapes, outer_edges
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.world import World, build_world
 from vpf_sim.errors import InputError
-from vpf_sim.scenarios.transforms import mirrored
 
 pytest_plugins = ["straight_road"]
 # Two lanes: from 40 to 100 m the right one narrows from 4 to 2.5 m, the left one widens from 3 to 5 m.

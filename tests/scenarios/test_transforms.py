@@ -4,12 +4,12 @@ from math import radians
 
 import numpy as np
 import pytest
+from transforms import mirrored, rotated, translated
 
 from vpf_sim import scenarios
 from vpf_sim.envs.centre_line import CentreLine
 from vpf_sim.geometry import rotation
 from vpf_sim.scenarios import Scenario
-from vpf_sim.scenarios.transforms import mirrored, rotated, translated
 from vpf_sim.types import Floats
 
 ALONG = np.linspace(0.0, 150.0, 16)

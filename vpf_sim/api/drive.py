@@ -113,12 +113,12 @@ def driven(
     name, seed = _checked_name(driver), _checked_seed(seed)
     with ExitStack() as stack:
         stack.enter_context(one_thread())
-        asked = _manifest(*names, name, seed) if out is not False else None
+        requested = _manifest(*names, name, seed) if out is not False else None
         attached = stack.enter_context(viewers.attached(film, watch, log))
-        if asked is None:
+        if requested is None:
             result, path = episode.run(*names, hands or driver, seed, attached.show, name), None
         else:
-            with _stored(asked, out) as folder:
+            with _stored(requested, out) as folder:
                 result, path = episode.run(*names, hands or driver, seed, attached.show, name), folder.path
                 _store(folder, result)
         yield Episode(result, path)
@@ -151,13 +151,13 @@ def _manifest(scenario: str, weather: str, driver: str, seed: int) -> "Manifest"
 
 
 @contextmanager
-def _stored(asked: "Manifest", out: StrPath | bool) -> "Iterator[RunFolder]":
+def _stored(requested: "Manifest", out: StrPath | bool) -> "Iterator[RunFolder]":
     """The run folder; without a complete episode, as after Ctrl-C or on a full disk, nothing is left of it."""
     from vpf_sim.evaluation.sweeps import run_folder
 
     path = run_folder.new_path("drive") if isinstance(out, bool) else Path(text("out", out))
     is_theirs = not isinstance(out, bool) and path.exists()
-    folder = run_folder.RunFolder(path, asked)
+    folder = run_folder.RunFolder(path, requested)
     try:
         yield folder
     except BaseException:

@@ -75,8 +75,8 @@ class Execution:
             raise InputError(
                 f"resume: driver '{driver}': expected one whose code can be compared with that of the run; {REMEDY}"
             )
-        asked = {"workers": self.workers not in (None, 1), "timeout": self.timeout, "cluster": self.cluster}
-        for what in (name for name, value in asked.items() if value):
+        requested = {"workers": self.workers not in (None, 1), "timeout": self.timeout, "cluster": self.cluster}
+        for what in (name for name, value in requested.items() if value):
             raise InputError(f"{what}: driver '{driver}': other processes cannot make it; {REMEDY}")
 
     def _check_by_hand(self) -> None:
@@ -84,8 +84,8 @@ class Execution:
         from vpf_sim.drivers import KEYBOARD
         from vpf_sim.window import require_display
 
-        asked = {"workers": self.workers not in (None, 1), "timeout": self.timeout, "cluster": self.cluster}
-        for what in (name for name, value in asked.items() if value):
+        requested = {"workers": self.workers not in (None, 1), "timeout": self.timeout, "cluster": self.cluster}
+        for what in (name for name, value in requested.items() if value):
             raise InputError(f"{option(what)}: driver '{KEYBOARD}': a person drives one car, in this process")
         require_display()
 
@@ -128,10 +128,10 @@ def fill(command: str, plan: Plan, how: Execution, show: bool = True) -> Path:
 
     how.check(plan)
     limit_s = sweep.limits(how.timeout)
-    asked, bound = Manifest.of(command, plan), of_this_process(plan)
+    requested, bound = Manifest.of(command, plan), of_this_process(plan)
     is_theirs = how.out is not None and how.out.exists()
-    with cluster.connected(how.cluster, asked, how.mixed) as client, one_thread():
-        folder = run_folder.RunFolder(how.out or run_folder.new_path(command), asked, how.resume, how.mixed)
+    with cluster.connected(how.cluster, requested, how.mixed) as client, one_thread():
+        folder = run_folder.RunFolder(how.out or run_folder.new_path(command), requested, how.resume, how.mixed)
         jobs = plan.jobs()
         missing = [job for job in jobs if job.id not in folder.done]
         try:
@@ -167,7 +167,7 @@ def _summarize(folder: "RunFolder", jobs: "list[Job]") -> None:
     from vpf_sim.evaluation.analysis.summary import summarize
 
     records = folder.records()
-    folder.write_json("summary.json", summarize(jobs, records, folder.asked.privileged).as_json())
+    folder.write_json("summary.json", summarize(jobs, records, folder.requested.privileged).as_json())
     warn(records)
 
 

@@ -67,7 +67,7 @@ def with_run_options(command: Callable[..., None]) -> Callable[..., None]:
     return wrapper
 
 
-def plan_of(run: RunOptions, asked: bool, make: "Callable[[], Plan]") -> "Plan":
+def plan_of(run: RunOptions, requested: bool, make: "Callable[[], Plan]") -> "Plan":
     """The plan that `make` returns, or the stored one where a run is resumed and nothing else was asked."""
     from vpf_sim.evaluation.run_inputs import RunInputs
     from vpf_sim.evaluation.sweeps.manifest import MANIFEST, read_manifest, stored_plan
@@ -75,7 +75,7 @@ def plan_of(run: RunOptions, asked: bool, make: "Callable[[], Plan]") -> "Plan":
 
     if run.seeds is not None:
         parse_seeds(run.seeds)
-    if not run.resume or asked or run.out is None or not run.out.exists():
+    if not run.resume or requested or run.out is None or not run.out.exists():
         return make()
     if not (run.out / MANIFEST).exists():
         raise InputError(f"{run.out}: --resume: expected the {MANIFEST} of a run, found none; name what to drive")

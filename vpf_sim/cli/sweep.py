@@ -83,10 +83,10 @@ def print_plan(plan: "Plan", run: RunOptions) -> None:
 
     run.check(plan)
     with prints_on_stderr():
-        asked = Manifest.of("sweep", plan)
+        requested = Manifest.of("sweep", plan)
     done: set[str] = set()
     if run.out is not None:
-        admitted(run.out, asked, run.resume, run.mixed)
+        admitted(run.out, requested, run.resume, run.mixed)
         done = {record.id for record in read_records(run.out)} if run.resume else set()
     cells: dict[tuple[str, str, str], list[int]] = {}
     for job in plan.jobs():

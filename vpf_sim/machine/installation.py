@@ -36,8 +36,8 @@ def checks() -> dict[str, Callable[[], Check]]:
 
 def lower_bounds() -> dict[str, str]:
     """The required packages with their lowest versions."""
-    asked = [re.fullmatch(r"([\w.-]+)>=([\d.]+)", one) for one in requires("vpf_sim") or []]  # extras do not match
-    return {match[1]: match[2] for match in asked if match}
+    requested = [re.fullmatch(r"([\w.-]+)>=([\d.]+)", one) for one in requires("vpf_sim") or []]  # extras do not match
+    return {match[1]: match[2] for match in requested if match}
 
 
 def versions(lowest: Mapping[str, str]) -> Check:

@@ -19,6 +19,7 @@ from typing import Any
 
 import cv2
 import numpy as np
+import pandas as pd
 import reference_streets
 import twin
 from frame_statistics import FrameStatistics, measure, scaled_grey
@@ -26,7 +27,6 @@ from measures import Measures
 
 from vpf_sim import drivers
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.analysis.text_table import text_table
 from vpf_sim.replay import frame_table, open_loop
 from vpf_sim.replay.frame_table import FrameTable, table_path
 from vpf_sim.replay.recording import Recording
@@ -123,11 +123,16 @@ def compare_all(arguments: argparse.Namespace, out: Path) -> dict[str, dict[str,
     for number, name in enumerate(arguments.only or reference_streets.STREETS):
         driver = arguments.driver if arguments.perception else None
         frames, perception = compare(arguments.drives / name, arguments.seeds, driver, out / name)
-        print(text_table(frames, header=number == 0 or arguments.perception), flush=True)
+        print(_text(frames, header=number == 0 or arguments.perception), flush=True)
         if perception:
-            print(f"\n{text_table(perception)}\n", flush=True)
+            print(f"\n{_text(perception)}\n", flush=True)
         found[name] = {"frames": frames, "perception": perception}
     return found
+
+
+def _text(rows: Rows, header: bool = True) -> str:
+    """The rows as aligned columns with three digits."""
+    return pd.DataFrame(rows).to_string(index=False, header=header, col_space=12, float_format="{:.3g}".format)
 
 
 if __name__ == "__main__":

@@ -8,11 +8,11 @@ The same drive is rendered in every weather with the same poses and seed, so all
 import argparse
 
 import numpy as np
+import pandas as pd
 
 from vpf_sim import scenarios
 from vpf_sim.envs.camera import Weather
 from vpf_sim.envs.camera import weather as weathers
-from vpf_sim.evaluation.analysis.text_table import text_table
 from vpf_sim.evaluation.truth.true_motion import OFF_PX, TrueMotion
 from vpf_sim.gallery.poses import Path, ScriptedDrive, smooth_step
 from vpf_sim.perception.egomotion import focus_of_expansion
@@ -85,7 +85,10 @@ def main() -> None:
     limit_opencv()
     for number, (name, weather) in enumerate(ROWS.items()):
         row = {"weather": name, **measure(weather, arguments.seed, arguments.seconds, arguments.every)}
-        print(text_table([row], header=number == 0), flush=True)
+        line = pd.DataFrame([row]).to_string(
+            index=False, header=number == 0, col_space=12, float_format="{:.3g}".format
+        )
+        print(line, flush=True)
 
 
 if __name__ == "__main__":

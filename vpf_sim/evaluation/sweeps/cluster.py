@@ -35,13 +35,13 @@ CONNECT_S = 4.0  # timeout for a scheduler, short so that a wrong address fails 
 def run(client: Any, folder: RunFolder, jobs: Iterable[Job], limit_s: sweep.Limit, mixed: bool) -> sweep.Results:
     """Yield results as they are ready; an episode whose worker died is submitted once more."""
     distributed = _distributed()
-    asked = folder.asked
+    requested = folder.requested
     ready, running = distributed.as_completed(loop=client.loop), {}
     session = uuid4().hex  # a scheduler returns its cached result for a known key
 
     def submit(job: Job, attempt: int) -> None:
-        name = f"{job.id} attempt {attempt} {digest(asked.as_json())} {session}"
-        future = client.submit(_drive, job, asked, limit_s(job), mixed, key=name, pure=False)
+        name = f"{job.id} attempt {attempt} {digest(requested.as_json())} {session}"
+        future = client.submit(_drive, job, requested, limit_s(job), mixed, key=name, pure=False)
         running[future.key] = (job, attempt)
         ready.add(future)
 
@@ -63,7 +63,7 @@ def run(client: Any, folder: RunFolder, jobs: Iterable[Job], limit_s: sweep.Limi
 
 
 @contextmanager
-def connected(address: str | None, asked: Manifest, mixed: bool) -> Iterator[Any]:
+def connected(address: str | None, requested: Manifest, mixed: bool) -> Iterator[Any]:
     """A client of the scheduler at `address` once it has compatible workers; None without an address."""
     if address is None:
         yield None
@@ -73,7 +73,7 @@ def connected(address: str | None, asked: Manifest, mixed: bool) -> Iterator[Any
         if not client.nthreads():
             print(f"waiting for the first worker of {address}", file=sys.stderr, flush=True)
             client.wait_for_workers(1)
-        _check_workers(client, asked, mixed)
+        _check_workers(client, requested, mixed)
         yield client
 
 
@@ -143,7 +143,7 @@ def _distributed() -> Any:
     return distributed
 
 
-def _check_workers(client: Any, asked: Manifest, mixed: bool) -> None:
+def _check_workers(client: Any, requested: Manifest, mixed: bool) -> None:
     """InputError for a worker that would make different records; later workers check themselves."""
     for worker, threads in client.nthreads().items():
         if threads != 1:
@@ -152,12 +152,12 @@ def _check_workers(client: Any, asked: Manifest, mixed: bool) -> None:
         if isinstance(found, BaseException):
             raise _fault(f"worker {worker}: expected vpf_sim as it is here, got: {found}")
         if not mixed:
-            _compare(worker, found, asked)
+            _compare(worker, found, requested)
 
 
-def _compare(worker: str, found: dict[str, str], asked: Manifest) -> None:
-    if found != asked.fingerprint:
-        what = change(asked.fingerprint, found)
+def _compare(worker: str, found: dict[str, str], requested: Manifest) -> None:
+    if found != requested.fingerprint:
+        what = change(requested.fingerprint, found)
         raise _fault(f"worker {worker}: another fingerprint: {what}; {option('mixed')} accepts it")
 
 
@@ -178,22 +178,24 @@ def _reason(error: Any, limit_s: float) -> str:
     )
 
 
-def _drive(job: Job, asked: Manifest, limit_s: float, mixed: bool) -> tuple[sweep.Stored, steps.StepTable | None, str]:
+def _drive(
+    job: Job, requested: Manifest, limit_s: float, mixed: bool
+) -> tuple[sweep.Stored, steps.StepTable | None, str]:
     """Run on a worker: check fingerprint and inputs, then drive one episode."""
     worker = str(_distributed().get_worker().name)
     own = fingerprint()
     if not mixed:
-        _compare(worker, own, asked)
-    _check_inputs(worker, job, asked)
+        _compare(worker, own, requested)
+    _check_inputs(worker, job, requested)
     limit_opencv()
     with pool.at_most(limit_s, 2):
-        stored, table = sweep.drive(None if own == asked.fingerprint else digest(own), job)
+        stored, table = sweep.drive(None if own == requested.fingerprint else digest(own), job)
     return stored, table, worker
 
 
-def _check_inputs(worker: str, job: Job, asked: Manifest) -> None:
+def _check_inputs(worker: str, job: Job, requested: Manifest) -> None:
     """InputError where this worker has another scenario, weather or driver under the same name."""
     for kind, hashes in Plan.of(job).check().items():
         for name, value in hashes.items():
-            if asked.hashes(kind).get(name) != value:
+            if requested.hashes(kind).get(name) != value:
                 raise _fault(f"worker {worker}: {name}: expected the file as it is here, got another")

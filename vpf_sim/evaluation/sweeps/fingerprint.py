@@ -50,9 +50,9 @@ def commit_of(sources: str) -> str | None:
     """The commit of this checkout, if these are its sources."""
     if sources != source():
         return None
-    asked = ["git", "-C", str(_folder("vpf_sim")), "rev-parse", "--short", "HEAD"]
+    requested = ["git", "-C", str(_folder("vpf_sim")), "rev-parse", "--short", "HEAD"]
     try:
-        return subprocess.run(asked, capture_output=True, text=True, check=True).stdout.strip()
+        return subprocess.run(requested, capture_output=True, text=True, check=True).stdout.strip()
     except (OSError, subprocess.CalledProcessError):
         return None
 

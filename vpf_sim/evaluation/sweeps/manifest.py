@@ -36,9 +36,9 @@ class Manifest(Schema):
     def of(cls, command: str, plan: Plan) -> "Manifest":
         """The manifest of a new run; InputError for an unknown name or file."""
         forget_code()
-        asked = json.loads(json.dumps({key: value for key, value in asdict(plan).items() if value}))
+        requested = json.loads(json.dumps({key: value for key, value in asdict(plan).items() if value}))
         made = {"begun": datetime.now().astimezone().isoformat(), "made_in": str(Path.cwd())}
-        known = {"command": command, "plan": asked, "fingerprint": fingerprint()}
+        known = {"command": command, "plan": requested, "fingerprint": fingerprint()}
         return cls.model_validate({**known, **made, **plan.check()})
 
     def names(self, kind: str) -> list[str]:

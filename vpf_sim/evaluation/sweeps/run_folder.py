@@ -123,19 +123,19 @@ def _begun(manifest: Path) -> tuple[float, int]:
 class RunFolder:
     """An open, locked run folder; `done` has the ids of its records."""
 
-    def __init__(self, path: Path, asked: Manifest, resume: bool = False, mixed: bool = False) -> None:
+    def __init__(self, path: Path, requested: Manifest, resume: bool = False, mixed: bool = False) -> None:
         self.path = path
-        self.asked = asked
-        admitted(path, asked, resume, mixed)  # before anything is written
+        self.requested = requested
+        admitted(path, requested, resume, mixed)  # before anything is written
         path.mkdir(parents=True, exist_ok=True)
         with ExitStack() as opened:
             self._lock = locked(path)
             opened.callback(self._lock.release)
-            new, self.mark = admitted(path, asked, resume, mixed)  # another run may have begun in it until now
+            new, self.mark = admitted(path, requested, resume, mixed)  # another run may have begun in it until now
             self._lines = [opened.enter_context(closing(JsonLines(path / name))) for name in LINES]
             if new:
                 self._keep_inputs()
-                self.write_json(MANIFEST, asked.as_json())
+                self.write_json(MANIFEST, requested.as_json())
             self.done = {record.id for record in self.records()}
             opened.pop_all()
 
@@ -186,12 +186,12 @@ class RunFolder:
 
     def _keep_inputs(self) -> None:
         """Write what the plan's own files say, if it has any."""
-        kept = contents(self.asked.names("scenario"), self.asked.names("weather"))
+        kept = contents(self.requested.names("scenario"), self.requested.names("weather"))
         if any(kept.values()):
             self.write_json(INPUTS, kept)
 
 
-def admitted(path: Path, asked: Manifest, resume: bool, mixed: bool) -> tuple[bool, str | None]:
+def admitted(path: Path, requested: Manifest, resume: bool, mixed: bool) -> tuple[bool, str | None]:
     """Whether the run of a folder is a new one, and the mark of its records if the fingerprint is another.
 
     InputError where the folder cannot take the run. Nothing is written.
@@ -199,7 +199,7 @@ def admitted(path: Path, asked: Manifest, resume: bool, mixed: bool) -> tuple[bo
     if not resume or not (path / MANIFEST).exists():
         _check_new(path)
         return True, None
-    return False, digest(asked.fingerprint) if _has_other_fingerprint(path, asked, mixed) else None
+    return False, digest(requested.fingerprint) if _has_other_fingerprint(path, requested, mixed) else None
 
 
 def check_name(path: Path) -> None:
@@ -218,18 +218,18 @@ def _check_new(path: Path) -> None:
         raise InputError(f"{path}: expected an empty or new run folder, {remedy}")
 
 
-def _has_other_fingerprint(path: Path, asked: Manifest, mixed: bool) -> bool:
+def _has_other_fingerprint(path: Path, requested: Manifest, mixed: bool) -> bool:
     """Check that plan and inputs are unchanged; return whether the fingerprint differs, which needs `mixed`."""
     stored = read_manifest(path)
     for key in ("command", "plan", *HASHED):
-        before, after = (getattr(one, key) for one in (stored, asked))
+        before, after = (getattr(one, key) for one in (stored, requested))
         if before != after:
             what = f"{change(before, after)}{RunInputs.of(path, stored.made_in).place}"
             raise InputError(f"{path}: {option('resume')}: {key} changed: {what}; start a new run")
-    if stored.fingerprint == asked.fingerprint:
+    if stored.fingerprint == requested.fingerprint:
         return False
     if not mixed:
-        what = change(stored.fingerprint, asked.fingerprint)
+        what = change(stored.fingerprint, requested.fingerprint)
         raise InputError(f"{path}: {option('resume')}: fingerprint changed: {what}; {option('mixed')} accepts it")
     return True
 

@@ -38,12 +38,12 @@ LONGEST_S = 1e6  # a watchdog accepts no longer limit
 
 def local(folder: RunFolder, jobs: Iterable[Job], workers: int, limit_s: Limit) -> Results:
     """Drive on this machine; the workers store the steps."""
-    return pool.run(partial(drive_and_store, folder.path, folder.mark, folder.asked), jobs, workers, limit_s)
+    return pool.run(partial(drive_and_store, folder.path, folder.mark, folder.requested), jobs, workers, limit_s)
 
 
 def here(folder: RunFolder, jobs: Iterable[Job]) -> Results:
     """Drive in this process, one after another, without a time limit: for drivers that no other process can import."""
-    return pool.here(partial(drive_and_store, folder.path, folder.mark, folder.asked), jobs)
+    return pool.here(partial(drive_and_store, folder.path, folder.mark, folder.requested), jobs)
 
 
 def store(folder: RunFolder, results: Iterable[pool.Done[Job, Stored]], notify: Callable[[Record], None]) -> None:
@@ -70,13 +70,13 @@ def _slow_s(job: Job) -> float:
     return START_S + SLOWEST * scenarios.load(job.scenario).draw(job.seed).time_limit_s
 
 
-def drive_and_store(folder: Path, mark: str | None, asked: Manifest, job: Job) -> Stored:
+def drive_and_store(folder: Path, mark: str | None, requested: Manifest, job: Job) -> Stored:
     """Drive one episode, store its steps, and return what else is stored; an exception becomes status `error`.
 
     InputError if code or input files changed since the sweep began: a worker that replaces a dead one would load the
     edited files.
     """
-    changed = [*changes(asked, job)]
+    changed = [*changes(requested, job)]
     if changed:
         raise InputError(f"{', '.join(changed)}: changed while the sweep was running")
     stored, table = drive(mark, job)
@@ -85,12 +85,12 @@ def drive_and_store(folder: Path, mark: str | None, asked: Manifest, job: Job) -
     return stored
 
 
-def changes(asked: Manifest, job: Job) -> Iterator[str]:
+def changes(requested: Manifest, job: Job) -> Iterator[str]:
     """Names of fingerprint entries and inputs that differ from the manifest."""
     own, inputs = fingerprint(), Plan.of(job).hashes()
-    yield from (key for key in own if own[key] != asked.fingerprint.get(key))
+    yield from (key for key in own if own[key] != requested.fingerprint.get(key))
     for kind in HASHED:
-        yield from (name for name, value in inputs[kind].items() if asked.hashes(kind).get(name) != value)
+        yield from (name for name, value in inputs[kind].items() if requested.hashes(kind).get(name) != value)
 
 
 def drive(mark: str | None, job: Job) -> tuple[Stored, steps.StepTable | None]:
