@@ -6,14 +6,14 @@ import pytest
 from gated_runs import Change, checks, lost, only, spread
 
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.gate import gate
 from vpf_sim.evaluation.gate.cells import Cell
 from vpf_sim.evaluation.gate.checks import Check
-from vpf_sim.evaluation.gate.rules import BOUNDS
+from vpf_sim.evaluation.gate.rules import BOUNDS, score_of
+from vpf_sim.evaluation.metrics.registry import with_rules
 
 
 def test_every_bound_of_the_rules_has_a_check() -> None:
-    assert set(gate.BOUND_KINDS) == set(BOUNDS)
+    assert {score_of(bound) for bound in BOUNDS} == set(with_rules())
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,7 @@ class Row(Schema):
 
     def is_of_lost(self, metric: Metric) -> bool:
         """Whether the value of a metric is that of episodes that did not arrive, since none did."""
-        return metric.rates_lost and not self.successes
+        return metric.of_perception and not self.successes
 
     def __getitem__(self, metric: Metric) -> Number:
         """The value of a metric; None where there is none, as of the path where no episode arrived.

@@ -7,16 +7,18 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from statistics import fmean
-from typing import NamedTuple
 
 import numpy as np
 
 from vpf_sim.evaluation.analysis.rows import Cell
 from vpf_sim.evaluation.analysis.statistics import mean_interval
 from vpf_sim.evaluation.gate import baseline, perception
-from vpf_sim.evaluation.gate.cells import FAULTS, Episodes, Run, values_of, worst_first
+from vpf_sim.evaluation.gate.cells import FAULTS, METRICS, Episodes, Run, values_of, worst_first
 from vpf_sim.evaluation.gate.checks import Check, matching, number
-from vpf_sim.evaluation.gate.rules import SCORES, Detail, Rule, Score
+from vpf_sim.evaluation.gate.rules import SCORES, Rule, Score, score_of
+
+PERFECT = {"success_rate": 1.0, "collisions": 0.0, "comfortable_share": 1.0}
+AGGREGATES: dict[str, Callable[[list[float]], float | None]] = {"collisions": sum, "clearance_m": min}  # others: mean
 
 
 def check(run: Run, rules: Sequence[Rule], file: Path) -> list[Check]:
@@ -35,23 +37,24 @@ def check(run: Run, rules: Sequence[Rule], file: Path) -> list[Check]:
 
 
 def _bound(key: str, limit: float, cell: Cell, episodes: Episodes) -> Check:
-    bound, expected = BOUND_KINDS[key], f"{key} {limit:g}"
-    values = values_of(bound.score, episodes)
+    score, expected = score_of(key), f"{key} {limit:g}"
+    values = values_of(score, episodes)
     if not values:
-        return _without_values(cell, expected, bound.score, episodes)
-    value = bound.of(list(values.values()))
+        return _without_values(cell, expected, score, episodes)
+    aggregate = _upper if key.endswith("_upper_at_most") else AGGREGATES.get(score, fmean)
+    value = aggregate(list(values.values()))
     sign = 1.0 if key.endswith("_at_least") else -1.0
     kept = value is not None and sign * (value - limit) >= 0.0
-    good = PERFECT.get(bound.score, limit)
+    good = PERFECT.get(score, limit)
     short = {seed: sign * (good - value) for seed, value in values.items()}
     worst = worst_first(short)
     seeds = [seed for seed in worst if short[seed] > 0.0] or worst[:1]
-    text = "no interval" if value is None else number(value, limit) + bound.unit
+    text = "no interval" if value is None else number(value, limit) + METRICS[score].plain_unit
     actual = f"{text} ({len(values)} episode{'s' * (len(values) != 1)})"
-    return _checked(Check(cell, expected, actual, "passed" if kept else "failed", tuple(seeds)), bound.score, episodes)
+    return _checked(Check(cell, expected, actual, "passed" if kept else "failed", tuple(seeds)), score, episodes)
 
 
-def _checked(check: Check, score: Score | Detail, episodes: Episodes) -> Check:
+def _checked(check: Check, score: str, episodes: Episodes) -> Check:
     """The check with the counts of missing and unfinished episodes.
 
     A missing episode already counts in shares; it fails rules on other scores.
@@ -67,11 +70,11 @@ def _checked(check: Check, score: Score | Detail, episodes: Episodes) -> Check:
     return check if check.outcome == "failed" else replace(check, seeds=())
 
 
-def _without_values(cell: Cell, expected: str, score: Score | Detail, episodes: Episodes) -> Check:
+def _without_values(cell: Cell, expected: str, score: str, episodes: Episodes) -> Check:
     """The check of a cell without values: nothing to measure, or no successful episode."""
     if any(episode is not None and episode.succeeded for episode in episodes.values()):
         return Check(cell, expected, "no obstacles" if score == "clearance_m" else "not measured", "skipped")
-    if score in OF_PERCEPTION and not any(
+    if METRICS[score].of_perception and not any(
         record is not None and record.shows_perception for record in episodes.values()
     ):
         return Check(cell, expected, "no perception shown", "skipped")
@@ -107,32 +110,3 @@ def _upper(values: Sequence[float]) -> float | None:
     if interval is not None:
         return interval.high
     return fmean(values) if len(values) > 1 else None
-
-
-class BoundKind(NamedTuple):
-    """The score of a bound, the aggregate of its values, and the aggregate's unit."""
-
-    score: Score | Detail
-    of: Callable[[list[float]], float | None]
-    unit: str = ""
-
-
-BOUND_KINDS = {
-    "success_rate_at_least": BoundKind("success_rate", fmean),
-    "collisions_at_most": BoundKind("collisions", sum),
-    "path_mse_m2_at_most": BoundKind("path_mse_m2", fmean, " m2"),
-    "path_mse_m2_upper_at_most": BoundKind("path_mse_m2", _upper, " m2"),
-    "clearance_m_at_least": BoundKind("clearance_m", min, " m"),
-    "comfortable_share_at_least": BoundKind("comfortable_share", fmean),
-    "clear_path_mse_m2_at_most": BoundKind("clear_path_mse_m2", fmean, " m2"),
-    "steering_rate_radps_at_most": BoundKind("steering_rate_radps", fmean, " rad/s"),
-    "steering_reversals_per_s_at_most": BoundKind("steering_reversals_per_s", fmean, " 1/s"),
-    "edge_error_m_at_most": BoundKind("edge_error_m", fmean, " m"),
-    "foe_error_px_at_most": BoundKind("foe_error_px", fmean, " px"),
-    "recall_at_least": BoundKind("recall", fmean),
-    "precision_at_least": BoundKind("precision", fmean),
-    "false_positives_per_minute_at_most": BoundKind("false_positives_per_minute", fmean, " 1/min"),
-}
-# Scores of what a driver perceives while it drives.
-OF_PERCEPTION = ("edge_error_m", "foe_error_px", "recall", "precision", "false_positives_per_minute")
-PERFECT: dict[Score | Detail, float] = {"success_rate": 1.0, "collisions": 0.0, "comfortable_share": 1.0}

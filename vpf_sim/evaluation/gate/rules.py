@@ -13,16 +13,6 @@ from vpf_sim.configuration import setting, settings
 DEFAULT_RULES = Path(__file__).with_name("default_rules.toml")  # for the scenarios gate-course and gate-traffic
 Score = Literal["success_rate", "collisions", "path_mse_m2", "clearance_m", "comfortable_share"]
 SCORES: tuple[Score, ...] = get_args(Score)
-Detail = Literal[
-    "clear_path_mse_m2",
-    "steering_rate_radps",
-    "steering_reversals_per_s",
-    "edge_error_m",
-    "foe_error_px",
-    "recall",
-    "precision",
-    "false_positives_per_minute",
-]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
 
@@ -109,6 +99,11 @@ class Rules:
 def read_rules(path: Path) -> list[Rule]:
     """The rules of a file; InputError with one line per fault."""
     return list(configuration.build(Rules, configuration.read_file(path, "rules"), str(path)).rules)
+
+
+def score_of(bound: str) -> str:
+    """The score that a bound limits: "path_mse_m2" of "path_mse_m2_upper_at_most"."""
+    return bound.removesuffix("_at_least").removesuffix("_at_most").removesuffix("_upper")
 
 
 def _given(bounds: PerceptionBounds | Rule, keys: Iterable[str]) -> dict[str, float]:

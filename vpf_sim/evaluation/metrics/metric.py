@@ -65,7 +65,7 @@ class Metric(Measure):
     better: Literal["more", "less"] = "more"
     perfect: float | None = None  # the best value, where there is one
     in_cell: str = ""  # key of its value in a cell's row, if it is not the mean at `key`
-    drivers: Literal["all", "all but the PID", "perceiving"] = "all"  # the others have no value
+    of_perception: bool = False  # of what a driver perceives, not how it drives: shown of drives that did not arrive
     rule: str = ""  # name of the gate's rules for it
     paper: str = ""  # name in the paper's table
     tables: tuple[str, ...] = ()  # in which it is a column
@@ -76,9 +76,9 @@ class Metric(Measure):
         return self.in_cell or self.key
 
     @property
-    def rates_lost(self) -> bool:
-        """Whether it is shown of drives that did not arrive: what they perceived, not how they drove."""
-        return self.drivers == "perceiving"
+    def plain_unit(self) -> str:
+        """The unit behind a value in plain letters, " m2"; empty for a share."""
+        return "" if self.percent or not self.unit else f" {self.unit.replace('²', '2')}"
 
     @property
     def percent(self) -> bool:

@@ -122,7 +122,6 @@ THROTTLE = Metric(
     title="throttle accuracy",
     unit="%",
     digits=1,
-    drivers="all but the PID",
     paper="throttle",
     tables=("driving", "two runs", "pairs", "chart"),
     perfect=1.0,
@@ -132,7 +131,6 @@ STEERING = Metric(
     title="steering accuracy",
     unit="%",
     digits=1,
-    drivers="all but the PID",
     paper="steering",
     tables=("driving", "two runs", "pairs", "chart"),
     perfect=1.0,
@@ -187,7 +185,7 @@ FOE = Metric(
     title="focus of expansion, median error",
     unit="px",
     better="less",
-    drivers="perceiving",
+    of_perception=True,
     rule="foe_error_px",
     tables=("perception", "two runs"),
 )
@@ -202,7 +200,6 @@ BY_PART = (
             title=f"{signal}, %, {part.replace('_', ' ')}",
             unit="%",
             digits=1,
-            drivers="all but the PID",
         )
         for signal in ("throttle", "steering")
         for part in ("clear_of_obstacles", "passing")
@@ -215,7 +212,6 @@ BY_DEFINITION = tuple(
         title=f"{protocol}, {definition}",
         unit="%",
         digits=1,
-        drivers="all but the PID",
         tables=(signal,),
     )
     for signal in ("throttle", "steering")
@@ -260,7 +256,7 @@ METRICS = (
         title="frames with one",
         unit="%",
         digits=0,
-        drivers="perceiving",
+        of_perception=True,
         tables=("perception",),
     ),
     Metric(
@@ -269,7 +265,7 @@ METRICS = (
         unit="m",
         digits=3,
         better="less",
-        drivers="perceiving",
+        of_perception=True,
         rule="edge_error_m",
         tables=("perception", "two runs"),
     ),
@@ -279,7 +275,7 @@ METRICS = (
         unit="m",
         digits=3,
         better="less",
-        drivers="perceiving",
+        of_perception=True,
         tables=("perception",),
     ),
     Metric(
@@ -287,7 +283,7 @@ METRICS = (
         title="flow, median error",
         unit="px",
         better="less",
-        drivers="perceiving",
+        of_perception=True,
         tables=("perception",),
     ),
     Metric(
@@ -296,7 +292,7 @@ METRICS = (
         unit="%",
         digits=0,
         better="less",
-        drivers="perceiving",
+        of_perception=True,
         tables=("perception",),
     ),
     Metric(
@@ -304,7 +300,7 @@ METRICS = (
         title="objects first confirmed at",
         unit="m",
         digits=1,
-        drivers="perceiving",
+        of_perception=True,
         tables=("objects",),
     ),
     Metric(
@@ -312,7 +308,7 @@ METRICS = (
         title="recall at the due distance",
         unit="%",
         digits=0,
-        drivers="perceiving",
+        of_perception=True,
         rule="recall",
         tables=("objects", "two runs"),
     ),
@@ -321,7 +317,7 @@ METRICS = (
         title="precision",
         unit="%",
         digits=1,
-        drivers="perceiving",
+        of_perception=True,
         rule="precision",
         tables=("objects", "two runs"),
     ),
@@ -329,7 +325,7 @@ METRICS = (
         "perception.objects.wrong_per_minute",
         title="false positives a minute",
         better="less",
-        drivers="perceiving",
+        of_perception=True,
         rule="false_positives_per_minute",
         tables=("objects",),
     ),
