@@ -31,18 +31,21 @@ def film(
     height_m: float = 1.4,
     weather: str = "clear",
     lines: bool = True,
-    crosswalks: bool = False,
+    look: tuple[str, ...] = (),
+    radius_m: float = np.inf,
 ) -> tuple[Image, ...]:
-    """The pictures of a drive straight along a road of three lanes, or along a street without any paint."""
+    """The pictures of a drive along a road of three lanes or a street without paint; `look` is switched on."""
     lane, road_keys = (2, PAINTED) if lines else (1, UNPAINTED)
-    look = {**road_keys.get("look", {}), "marks": crosswalks}
+    bend = {"kind": "arc", "length_m": LENGTH_M, "radius_m": radius_m}
+    way = bend if np.isfinite(radius_m) else {"kind": "line", "length_m": LENGTH_M}
+    shown = {**road_keys.get("look", {}), **dict.fromkeys(look, True)}
     road = Scenario.model_validate(
         {
             "schema": 1,
             "road": {
                 **road_keys,
-                "look": look,
-                "segments": [{"kind": "line", "length_m": LENGTH_M}],
+                "look": shown,
+                "segments": [way],
             },
             "ego": {"lane": lane},
             "goal": {"s_m": LENGTH_M - 10.0},
@@ -98,8 +101,10 @@ def date_stamp(image: Image) -> None:
     cv2.putText(image, "DASHCAM X1", (WIDTH_PX - 190, HEIGHT_PX - 9), cv2.FONT_HERSHEY_SIMPLEX, 0.9, (255, 210, 0), 2)
 
 
-def write(folder: File, images: Sequence[Image], *paints: Paint, camera: str = "") -> File:
-    """The film as a file in a folder; with keys of `camera`, in drive.toml."""
+def write(
+    folder: File, images: Sequence[Image], *paints: Paint, camera: str = "", motion: tuple[float, float] | None = None
+) -> File:
+    """The film in a folder; with keys of `camera` in drive.toml, and `motion` (m/s, rad/s) as a table."""
     painted = [np.array(image) for image in images]
     for image in painted:
         for paint in paints:
@@ -108,4 +113,7 @@ def write(folder: File, images: Sequence[Image], *paints: Paint, camera: str = "
     layouts.video(folder / "film.mp4", painted, RATE_HZ)
     if camera:
         (folder / "drive.toml").write_text(f"schema = 1\n[camera]\n{camera}\n")
+    if motion:
+        rows = "".join(f"{k / RATE_HZ},{motion[0]},{motion[1]}\n" for k in range(len(images)))
+        (folder / "signals.csv").write_text(f"time_s,speed_mps,yaw_rate_radps\n{rows}")
     return folder

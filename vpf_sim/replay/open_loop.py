@@ -26,6 +26,7 @@ from vpf_sim.replay import (
 )
 from vpf_sim.replay.drive_record import Accumulated
 from vpf_sim.replay.drive_video import DriveVideo
+from vpf_sim.replay.fixed_structure import FixedStructure
 from vpf_sim.replay.flow_derotation import EgoMotion, FlowDerotation
 from vpf_sim.replay.frame_table import FrameRow, FrameTable, table_path, video_path
 from vpf_sim.replay.model_vehicle import Interval
@@ -82,7 +83,8 @@ def run(
     stored and checked. If the driver fails, the record has the frames before and the error.
     """
     driver = drivers.create(driver_name)
-    replayed = open_loop_driver(driver, _setup(recording, driver))
+    fixed = None if recording.no_images else fixed_structure.find(recording.frames(), recording.times_s)
+    replayed = open_loop_driver(driver, _setup(recording, driver), fixed)
     clock = Clock()
     with ExitStack() as stack:
         video = None
@@ -93,7 +95,7 @@ def run(
         can_drive = not recording.no_images or not drivers.uses_images(driver)
         accumulated = Accumulated(camera_fixed_points.CameraFixedPoints(recording.camera))
         try:
-            for row in _rows(recording, replayed if can_drive else None, video, clock, accumulated, progress):
+            for row in _rows(recording, replayed if can_drive else None, fixed, video, clock, accumulated, progress):
                 accumulated.rows.append(row)
         except DriverError as error:
             accumulated.error = error
@@ -115,6 +117,7 @@ def _human(recording: Recording) -> dict[str, str]:
 def _rows(
     recording: Recording,
     driver: OpenLoopDriver | None,
+    fixed: FixedStructure | None,
     video: DriveVideo | None,
     clock: Clock,
     accumulated: Accumulated,
@@ -122,7 +125,6 @@ def _rows(
 ) -> Iterator[FrameRow]:
     """One row a frame; without a driver only the recorded columns."""
     parts = iter(segments(recording))
-    fixed = None if recording.no_images else fixed_structure.find(recording.frames(), recording.times_s)
     ego = FlowDerotation(recording.camera, variant.load(OWN_VARIANT), recording.rate_hz, fixed)
     lead = LeadVehicle(recording.camera, recording.rate_hz)
     segment, number, moved_m = Segment(0, 0, (0.0, 0.0), 0.0), -1, 0.0

@@ -16,6 +16,8 @@ from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.planning.paper.planner import PaperPlan
 from vpf_sim.planning.planner import create_planner
 from vpf_sim.planning.variant import Variant
+from vpf_sim.replay.fixed_structure import FixedStructure
+from vpf_sim.replay.lane_support import LaneSupport
 from vpf_sim.replay.model_vehicle import Interval, ModelVehicle
 from vpf_sim.replay.present_lane import is_found, obstacles_in_vehicle_frame, present_lane, road_in_vehicle_frame
 from vpf_sim.replay.segments import Segment
@@ -48,10 +50,10 @@ class OpenLoopDriver(Protocol):
     def decide(self, observation: Observation, interval: Interval) -> Decision: ...
 
 
-def open_loop_driver(driver: Driver, setup: DriverSetup) -> OpenLoopDriver:
-    """The open-loop form of a driver."""
+def open_loop_driver(driver: Driver, setup: DriverSetup, fixed: FixedStructure | None = None) -> OpenLoopDriver:
+    """The open-loop form of a driver; what is `fixed` to the camera supports no lane."""
     if isinstance(driver, VisionDriver):
-        return ModelVehicleDriver(setup, driver.variant, driver.gains)
+        return ModelVehicleDriver(setup, driver.variant, driver.gains, fixed)
     return RecordedStateDriver(setup, driver)
 
 
@@ -78,8 +80,9 @@ class ModelVehicleDriver:
 
     protocol = MODEL
 
-    def __init__(self, setup: DriverSetup, variant: Variant, gains: Gains) -> None:
+    def __init__(self, setup: DriverSetup, variant: Variant, gains: Gains, fixed: FixedStructure | None = None) -> None:
         self._setup = setup
+        self._support = LaneSupport(setup.camera, variant.road_edges, fixed)
         self._variant = variant
         self._perceiver = Perceiver(setup, replace(variant, road_edges=replace(variant.road_edges, **ANY_ROAD)))
         self._planner = create_planner(setup, variant)
@@ -96,7 +99,7 @@ class ModelVehicleDriver:
         perception = self._perceiver.perceive(observation)
         if self._perceiver.has_missed:
             perception = replace(perception, expansion=replace(perception.expansion, confidence=0.0))
-        found = is_found(perception.road, observation.speed_mps)
+        found = self._is_found(perception.road, observation)
         lane = present_lane(perception.road, found)
         self._restart_in_new_lane(lane)
         plan = (
@@ -109,6 +112,13 @@ class ModelVehicleDriver:
             self.restarts += 1
             self._model.restart(self._model.speed_mps)
         return Decision(command, self._in_recorded_axes(plan, replace(perception, road=lane)), found)
+
+    def _is_found(self, road: RoadEdges, observation: Observation) -> bool:
+        """Whether the tracked lane can be the car's, and the image supports it."""
+        if not is_found(road, observation.speed_mps):
+            self._support.forget()
+            return False
+        return self._support.update(observation.image, road, observation.time_s)
 
     def _planned(self, from_model: Perception, observation: Observation) -> Plan:
         force, reference, extra = self._planner.step(from_model, self._at_model(observation))
