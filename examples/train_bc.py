@@ -13,6 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
+import numpy as np
 import torch
 
 from behaviour_cloning import scenes
@@ -20,9 +21,12 @@ from behaviour_cloning.collect import Drive, collect
 from behaviour_cloning.export import commit, export
 from behaviour_cloning.fit import Decisions, fit
 from behaviour_cloning.network import Network
+from vpf_sim.drivers.learned.familiarity import learned_from
 from vpf_sim.drivers.learned.manifest import Crop, Manifest, PictureInput, StateInput, Training
+from vpf_sim.policy_state import SPEED_SCALE_MPS
 
 LEARNER_SHARES = (0.0, 0.5, 0.8, 1.0)  # of the turns at the wheel, by round; the last share holds for later rounds
+EVERY = 20  # which pictures of a drive describe what the policy learned from
 FIRST_ROUND, LAST_EPOCHS = 2, 3  # times as many drives in the first round, and epochs in the last
 MANIFEST = Manifest(
     schema=1,
@@ -76,7 +80,9 @@ def recorded(options: argparse.Namespace, drives: list[Drive], made_from: str, w
         driven_h=round(frames / MANIFEST.rate_hz / 3600.0, 2),
         wall_h=round(wall_h, 2),
     )
-    return replace(MANIFEST, training=training)
+    speeds = np.concatenate([one.states[:, 0] for one in drives]) * SPEED_SCALE_MPS
+    known = learned_from([picture for one in drives for picture in one.pictures[::EVERY]], speeds.tolist())
+    return replace(MANIFEST, learned_from=known, training=training)
 
 
 def minutes(began_s: float) -> float:

@@ -28,11 +28,13 @@ from stable_baselines3.common.vec_env import SubprocVecEnv
 from torch import Tensor, nn
 
 from behaviour_cloning.export import commit, export
-from vpf_sim.drivers.learned.manifest import Manifest, PictureInput, StateInput, Training
+from vpf_sim.drivers.learned.familiarity import learned_from
+from vpf_sim.drivers.learned.manifest import LearnedFrom, Manifest, PictureInput, StateInput, Training
 from vpf_sim.envs.learning import FourLanePixels, RewardWeights
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.sweeps.plan import parse_seeds
 from vpf_sim.policy_state import SPEED_SCALE_MPS, STATE
+from vpf_sim.types import Image
 
 SCENARIOS, WEATHERS = ("straight", "curve-left"), ("clear", "rain")
 WIDTH_PX, HEIGHT_PX, REPEAT = 64, 48, 6  # 4:3 as in the drives; ticks of 1/60 s
@@ -135,7 +137,8 @@ def main(options: argparse.Namespace) -> None:
     learned.learn(options.steps)
     worlds.close()
     learned.save(options.out / "policy.zip")  # to train on
-    manifest = recorded(options, made_from, learned.num_timesteps, (perf_counter() - began_s) / 3600.0)
+    known = learned_from(*shown(options.shrink, learned, options.test_seeds))
+    manifest = recorded(options, known, made_from, learned.num_timesteps, (perf_counter() - began_s) / 3600.0)
     export(Command(learned.policy), manifest, options.out / "policy.onnx")
     for scenario, weather in product(SCENARIOS, WEATHERS):
         count = arrivals(LaneKeeping(options.shrink, (scenario,), (weather,)), learned, options.test_seeds)
@@ -156,7 +159,26 @@ def arrivals(world: LaneKeeping, learned: PPO, seeds: Iterable[int]) -> int:
     return count
 
 
-def recorded(options: argparse.Namespace, made_from: str, decisions: int, wall_h: float) -> Manifest:
+def shown(shrink: int, learned: PPO, seeds: Iterable[int]) -> tuple[list[Image], list[float]]:
+    """Pictures (1, H, W) of drives of the learned policy, one in ten, and all of their speeds, m/s."""
+    world = LaneKeeping(shrink, SCENARIOS, WEATHERS)
+    pictures, speeds = [], []
+    for seed in seeds:
+        observed, _ = world.reset(seed=seed)
+        over = False
+        while not over:
+            if len(speeds) % 10 == 0:
+                pictures.append(observed["image"].transpose(2, 0, 1))
+            speeds.append(SPEED_SCALE_MPS * float(observed["state"][STATE.index("speed")]))
+            action, _ = learned.predict(observed, deterministic=True)
+            observed, _, terminated, truncated, _ = world.step(action)
+            over = terminated or truncated
+    return pictures, speeds
+
+
+def recorded(
+    options: argparse.Namespace, known: LearnedFrom, made_from: str, decisions: int, wall_h: float
+) -> Manifest:
     """The manifest with the record of the training."""
     training = Training(
         command=f"python examples/train_ppo.py FOLDER --steps {options.steps} --shrink {options.shrink} "
@@ -168,7 +190,7 @@ def recorded(options: argparse.Namespace, made_from: str, decisions: int, wall_h
         driven_h=round(decisions / MANIFEST.rate_hz / 3600.0, 2),
         wall_h=round(wall_h, 2),
     )
-    return replace(MANIFEST, training=training)
+    return replace(MANIFEST, learned_from=known, training=training)
 
 
 def _positive(text: str) -> int:

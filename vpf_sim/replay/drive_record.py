@@ -40,7 +40,9 @@ def of(
     record["notes"] += accumulated.notes()
     record["error"] = accumulated.error.entry() if accumulated.error else None
     lane_widths_m = table.lane_width_m[np.isfinite(table.lane_width_m)].tolist()
-    record["warnings"] = drive_warnings.collect(recording, record, accumulated.fixed_points, lane_widths_m)
+    record["warnings"] = drive_warnings.of_commands(replayed.unlike_training(), table) + drive_warnings.collect(
+        recording, record, accumulated.fixed_points, lane_widths_m
+    )
     return record
 
 

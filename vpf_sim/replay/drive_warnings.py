@@ -7,12 +7,14 @@ import numpy as np
 
 from vpf_sim.replay import speed_interval
 from vpf_sim.replay.camera_fixed_points import Artefact, CameraFixedPoints
+from vpf_sim.replay.frame_table import FrameTable
 from vpf_sim.replay.mounting_estimate import Angle
 from vpf_sim.replay.recording import Recording
 from vpf_sim.replay.scores import rounded
 
 CERTAIN_RAD = 0.009  # half width of an interval that needs no warning: half a degree
 MOST_MISSING_SHARE = 0.05  # share of frames without flow or lane that needs a warning
+MOVING_MPS, FULL_BRAKE, MOST_BRAKING_SHARE = 2.0, -0.95, 0.5  # share of such commands that needs a warning
 
 DriveWarning = tuple[str, str]  # (what, why)
 
@@ -32,6 +34,18 @@ def collect(
     found += [_share("lane", record["perception"]["road_found_share"], "course and speed are held, not scored")]
     found += [ARTEFACTS[name] for name in fixed_points.found()]
     return [warning for warning in found if warning is not None]
+
+
+def of_commands(unlike_training: str, table: FrameTable) -> list[DriveWarning]:
+    """Warnings about a driver's commands: inputs unlike those of its training, and lasting full braking."""
+    found: list[DriveWarning] = []
+    if unlike_training:
+        found.append(("driver", f"{unlike_training}: its commands mean little here"))
+    moving = np.isfinite(table.throttle) & (table.speed_mps > MOVING_MPS)
+    braking = float(np.mean(table.throttle[moving] <= FULL_BRAKE)) if moving.any() else 0.0
+    if braking > MOST_BRAKING_SHARE:
+        found.append(("braking", f"the driver brakes fully in {100.0 * braking:.0f} % of the frames of a moving car"))
+    return found
 
 
 def mounting(recording: Recording) -> dict[str, Any]:

@@ -62,7 +62,7 @@ class LaneSupport:
         paint = np.stack([one.paint for one in self._recent])
         edge = np.stack([one.edge for one in self._recent])
         far = self._view.forward_m > np.median(self._view.forward_m)
-        parts = [slice(None), far] if self._recent[-1].is_bent else [slice(None)]
+        parts = [np.ones_like(far), far] if self._recent[-1].is_bent else [np.ones_like(far)]
         self._supported.append(all(self._is_supported(paint[:, :, rows], edge[:, :, rows]) for rows in parts))
         return 2 * sum(self._supported) > len(self._supported)
 

@@ -10,6 +10,7 @@ import numpy as np
 from vpf_sim import drivers
 from vpf_sim.controllers.gtsmc import Gains
 from vpf_sim.drivers import VisionDriver
+from vpf_sim.drivers.learned.driver import OnnxDriver
 from vpf_sim.drivers.perceiver import Perceiver
 from vpf_sim.errors import InputError
 from vpf_sim.planning.lane.planner import LanePlan
@@ -49,6 +50,9 @@ class OpenLoopDriver(Protocol):
 
     def decide(self, observation: Observation, interval: Interval) -> Decision: ...
 
+    def unlike_training(self) -> str:
+        """What is unlike the inputs that a learned driver was trained on, in one line; else empty."""
+
 
 def open_loop_driver(driver: Driver, setup: DriverSetup, fixed: FixedStructure | None = None) -> OpenLoopDriver:
     """The open-loop form of a driver; what is `fixed` to the camera supports no lane."""
@@ -73,6 +77,9 @@ class RecordedStateDriver:
     def decide(self, observation: Observation, interval: Interval) -> Decision:  # noqa: ARG002
         command = drivers.command_of(self._driver, observation)
         return Decision(command, drivers.trace_of(self._driver))
+
+    def unlike_training(self) -> str:
+        return self._driver.unlike_training() if isinstance(self._driver, OnnxDriver) else ""
 
 
 class ModelVehicleDriver:
@@ -112,6 +119,9 @@ class ModelVehicleDriver:
             self.restarts += 1
             self._model.restart(self._model.speed_mps)
         return Decision(command, self._in_recorded_axes(plan, replace(perception, road=lane)), found)
+
+    def unlike_training(self) -> str:
+        return ""
 
     def _is_found(self, road: RoadEdges, observation: Observation) -> bool:
         """Whether the tracked lane can be the car's, and the image supports it."""

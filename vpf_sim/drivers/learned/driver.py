@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.drivers.learned import manifest as manifests
+from vpf_sim.drivers.learned.familiarity import Familiarity
 from vpf_sim.drivers.learned.manifest import Manifest, PictureInput, StateInput
 from vpf_sim.drivers.learned.session import Session
 from vpf_sim.errors import InputError
@@ -51,6 +52,11 @@ class PolicyInputs:
             inputs[self._manifest.state.input] = state_vector(observation, action, self._manifest.state)
         return inputs
 
+    @property
+    def newest(self) -> Image | None:
+        """(channels of a frame, height, width) the newest picture; None without one."""
+        return self._pictures[0] if self._pictures else None
+
     def _picture(self, image: Image, config: PictureInput) -> Singles | None:
         """The stack with this frame; for frames before the first, the first stands in."""
         if not image.size:
@@ -86,6 +92,8 @@ class OnnxDriver(Driver):
 
     def reset(self, setup: DriverSetup) -> None:
         self._inputs = PolicyInputs(self.manifest)
+        known = self.manifest.learned_from
+        self._familiarity = None if known is None else Familiarity(known)
         self._schedule = Schedule(1.0 / self.manifest.rate_hz, setup.rate_hz)
         self._action: Floats = np.zeros(2)
 
@@ -99,7 +107,13 @@ class OnnxDriver(Driver):
             inputs = self._inputs.at(observation, self._action)
             if inputs is not None:
                 self._action = np.clip(self._session.action(inputs), -1.0, 1.0)
+                if self._familiarity is not None:
+                    self._familiarity.add(self._inputs.newest, observation.speed_mps)
         return Command(*self._action.tolist())
+
+    def unlike_training(self) -> str:
+        """What was unlike the training in most decisions, in one line; empty if nothing, or if nothing is known."""
+        return "" if self._familiarity is None else self._familiarity.remark()
 
 
 def code(model: Path) -> str:

@@ -9,6 +9,8 @@ from vpf_sim import configuration
 from vpf_sim.configuration import setting, settings
 
 Ago = Annotated[int, Field(ge=0, le=1000)]
+BLOCKS = (3, 4)  # rows and columns of a picture whose statistics are kept
+STATISTICS = 2 * BLOCKS[0] * BLOCKS[1]  # brightness and texture of each block
 StateValue = Literal["speed", "yaw_rate", "goal_forward", "goal_right", "throttle", "steering"]
 
 
@@ -75,6 +77,26 @@ class StateInput:
 
 
 @settings
+class LearnedFrom:
+    """What the inputs of the training were like, so that a replay can say where others are unlike them."""
+
+    speed_mps: tuple[float, float] = setting("Slowest and fastest speed of the training.")
+    mean: tuple[float, ...] = setting(
+        "Means of the picture's statistics: grey levels of 3 x 4 blocks, then logarithms of their texture."
+    )
+    deviation: tuple[Annotated[float, Field(gt=0.0)], ...] = setting("Standard deviations of these statistics.")
+    limit: float = setting("Distance from the means, in deviations, above which a picture is unlike.", gt=0.0)
+
+    def __post_init__(self) -> None:
+        slowest, fastest = self.speed_mps
+        if slowest > fastest:
+            raise ValueError(f"speed_mps: expected the slower speed first, got {slowest:g}, {fastest:g}")
+        for name in ("mean", "deviation"):
+            if len(getattr(self, name)) != STATISTICS:
+                raise ValueError(f"{name}: expected {STATISTICS} numbers, got {len(getattr(self, name))}")
+
+
+@settings
 class Training:
     """How the policy was trained, for the record."""
 
@@ -102,6 +124,7 @@ class Manifest:
     output: str = setting("Name of the model's output, (1, 2): throttle and steering.", default="action")
     image: PictureInput | None = setting("Picture that the model gets; without it no frames are drawn.", default=None)
     state: StateInput | None = setting("State vector that the model gets.", default=None)
+    learned_from: LearnedFrom | None = setting("What the inputs of the training were like.", default=None)
     training: Training | None = setting("How the policy was trained.", default=None)
 
     def __post_init__(self) -> None:
