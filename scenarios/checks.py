@@ -10,11 +10,9 @@ BESIDE_M = 6.0  # beside the carriageway, where actors may wait and go
 
 def faults(road: Road, ego: Ego, goal: Goal, bodies: Sequence[ObjectSpec], vary: Vary) -> Iterator[str]:
     """Every fault, for any seed: a scenario that passes is valid for all seeds."""
-    found = list(_width_faults(road))
-    yield from found
-    if found:  # nothing can be placed
+    yield from road_faults(road)
+    if [*_width_faults(road)]:  # nothing can be placed
         return
-    yield from _road_faults(road)
     yield from _vary_faults(ego, bodies, vary)
     yield from _goal_faults(road, ego, goal, vary)
     yield from _place_faults("ego", road, ego, EGO_SIZE, vary)
@@ -25,16 +23,24 @@ def faults(road: Road, ego: Ego, goal: Goal, bodies: Sequence[ObjectSpec], vary:
         yield from _manoeuvre_faults(f"bodies[{i}]", road, spec)
 
 
-def _road_faults(road: Road) -> Iterator[str]:
-    """In a bend tighter than half the carriageway, lanes would cross."""
+def road_faults(road: Road) -> Iterator[str]:
+    """Every fault of a road alone."""
+    found = [*_width_faults(road)]
+    yield from found or _shape_faults(road)
+
+
+def _shape_faults(road: Road) -> Iterator[str]:
+    """In a bend tighter than the carriageway inside it, lanes would cross."""
     if road.oncoming_lanes >= road.lanes:
         yield f"road.oncoming_lanes: expected fewer than the {road.lanes} lanes, got {road.oncoming_lanes}"
     if road.length_m > MOST_ROAD_M:
         yield f"road.segments: expected at most {MOST_ROAD_M:g} m in all, got {road.length_m:g}"
+    end_m = 0.0
     for i, segment in enumerate(road.segments):
+        begin_m, end_m = end_m, end_m + segment.length_m
         name = {"arc": "radius_m", "clothoid": "end_radius_m"}.get(segment.kind, "")
         radius = getattr(segment, name, None)
-        if radius is not None and abs(radius) <= (reach_m := road.reach_m[radius > 0.0]):
+        if radius is not None and abs(radius) <= (reach_m := road.reach_within(begin_m, end_m)[radius > 0.0]):
             yield (
                 f"road.segments[{i}].{name}: expected more than half the carriageway, {reach_m:g} m, "
                 f"to either side, got {radius:g}"

@@ -41,20 +41,24 @@ class LanePlaces:
         return np.asarray(0.5 * (borders[-lane] + borders[-lane - 1]))
 
     @property
-    def reach_m(self) -> tuple[float, float]:
-        """(left, right) m, how far the edges are from the centre line at most."""
-        return float(-self._borders_m[:, 0].min()), float(self._borders_m[:, -1].max())
-
-    @property
     def widest_m(self) -> float:
-        """The larger of both."""
-        return max(self.reach_m)
+        """How far an edge is from the centre line at most."""
+        return float(max(-self._borders_m[:, 0].min(), self._borders_m[:, -1].max()))
+
+    def reach_within(self, low_m: float, high_m: float) -> tuple[float, float]:
+        """(left, right) m, how far the edges are from the centre line at most between two s."""
+        borders = self._within(low_m, high_m)
+        return float(-borders[0].min()), float(borders[-1].max())
 
     def edges_within(self, low_m: float, high_m: float) -> tuple[float, float]:
         """(left, right) m, the edges of the narrowest carriageway between two s."""
-        inside = self.s_m[(self.s_m > low_m) & (self.s_m < high_m)]
-        borders = self.borders(np.array([low_m, *inside, high_m]))
+        borders = self._within(low_m, high_m)
         return float(borders[0].max()), float(borders[-1].min())
+
+    def _within(self, low_m: float, high_m: float) -> Floats:
+        """(lanes + 1, N) m, the borders at two s and at each place between them."""
+        inside = self.s_m[(self.s_m > low_m) & (self.s_m < high_m)]
+        return self.borders(np.array([low_m, *inside, high_m]))
 
 
 def _borders(widths: WidthsAt) -> list[float]:

@@ -199,10 +199,10 @@ class Road(Section):
         """m, the largest distance of an edge from the centre line."""
         return self.lane_places.widest_m if self.lane_places else self.lanes * self.lane_width_m / 2.0
 
-    @property
-    def reach_m(self) -> tuple[float, float]:
-        """(left, right) m, how far the edges are from the centre line at most."""
-        return self.lane_places.reach_m if self.lane_places else (self.half_width_m, self.half_width_m)
+    def reach_within(self, low_m: float, high_m: float) -> tuple[float, float]:
+        """(left, right) m, how far the edges are from the centre line at most between two s."""
+        places = self.lane_places
+        return places.reach_within(low_m, high_m) if places else (self.half_width_m, self.half_width_m)
 
     @property
     def lane_places(self) -> LanePlaces | None:

@@ -58,6 +58,7 @@ EVALUATION = [
     "analysis",
     "perception",
     "gate",
+    "verification",
 ]
 # The sub-packages of perception and planning, and which of their neighbours each may import.
 SUBPACKAGES: dict[str, dict[str, set[str]]] = {

@@ -10,16 +10,10 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from vpf_sim.errors import InputError
 from vpf_sim.geometry import wrap_angle
-from vpf_sim.scenarios.opendrive.geometry import Complexes
+from vpf_sim.scenarios.opendrive.line import Line
 from vpf_sim.scenarios.opendrive.spans import Element, Piece, points_along
-from vpf_sim.types import Floats
 
-TOLERANCE_M = 0.05  # of the finished chain: a gap so wide is bridged
-ROUNDING_M = 0.002
-ALONG_M = 0.25  # a kink of 1 deg leaves such a gap, or overlap, along a lane 14 m beside the reference line
-TANGENT_M = 1e-3
 SLACK_M = 0.002
 MOST_KINK_RAD = 0.05
 KINK_SHIFT_M = 0.002  # a corner is spread so far that it moves the line by this
@@ -79,32 +73,21 @@ class Chain:
         self._heading += sum(0.5 * (one.first_per_m + one.last_per_m) * one.length_m for one in elements)
         self.elements += elements
 
-    def along(self) -> list[Floats]:
-        """m, how far along the chain the points of each piece are."""
-        return [
+    def line(self) -> Line:
+        """The line that it has become."""
+        along = [
             begin_m + piece.distance_m * (end_m - begin_m) / piece.distance_m[-1]
             for piece, begin_m, end_m in self._truth
         ]
+        return Line(self.start, self.heading_rad, tuple(self.elements), along)
 
-    def check(self, elements: Sequence[Element]) -> None:
-        """Raise InputError where finished elements are farther from the true curve than the tolerance."""
-        for (piece, _, _), along in zip(self._truth, self.along(), strict=True):
-            ahead, aside = self._apart(tuple(elements), along, piece.points)
-            if not (aside.max() <= TOLERANCE_M + ROUNDING_M and ahead.max() <= ALONG_M):
-                apart = np.hypot(ahead, aside)
-                place = piece.points[int(apart.argmax())]
-                raise InputError(
-                    f"{piece.where}: planView: expected a line that goes on within {TOLERANCE_M:g} m, "
-                    f"got {apart.max():.3f} m at x = {place.real:.2f}, y = {-place.imag:.2f}"
-                )
 
-    def _apart(self, elements: tuple[Element, ...], along_m: Floats, points: Complexes) -> tuple[Floats, Floats]:
-        """(N,) m along and beside the chain from its points at some distances to others."""
-        here, next_ = (
-            points_along(elements, self.start, self.heading_rad, along_m + step) for step in (0.0, TANGENT_M)
-        )
-        apart = (points - here) * np.conj((next_ - here) / TANGENT_M)
-        return np.abs(apart.real), np.abs(apart.imag)
+def chained(pieces: Sequence[Piece], half_width_m: float) -> Line:
+    """The chain of all pieces."""
+    chain = Chain(pieces[0], half_width_m)
+    for piece in pieces:
+        chain.add(piece)
+    return chain.line()
 
 
 def _way(elements: Sequence[Element]) -> complex:
@@ -138,12 +121,16 @@ def _continues(before: Element, after: Element) -> bool:
 
 
 def with_leads(elements: Iterable[Element]) -> list[Element]:
-    """A clothoid of a scenario begins with the curvature of the segment before: a short arc where that differs."""
+    """A clothoid of a scenario begins with the curvature of the segment before: a short arc where that differs.
+
+    Arc and clothoid turn as much as the clothoid alone.
+    """
     result: list[Element] = []
     curvature = 0.0
     for length_m, first, last in elements:
         if first != last and abs(first - curvature) > SAME_PER_M:
             lead_m = min(LEAD_M, 0.5 * length_m)
+            first = (first * length_m + last * lead_m) / (length_m + lead_m)
             result.append(Element(lead_m, first, first))
             length_m -= lead_m
         result.append(Element(length_m, first, last))

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -11,17 +12,17 @@ from vpf_sim.configuration import build
 from vpf_sim.errors import InputError
 from vpf_sim.scenarios.opendrive import chain
 from vpf_sim.scenarios.opendrive.carriageway import Carriageway, carriageway, look
-from vpf_sim.scenarios.opendrive.chain import SAME_PER_M
 from vpf_sim.scenarios.opendrive.keys import OpenDriveFile, OpenDriveRoad
+from vpf_sim.scenarios.opendrive.lines import Shifts, beside_reference_lines, lines
 from vpf_sim.scenarios.opendrive.network import Network
 from vpf_sim.scenarios.opendrive.routes import find_route
+from vpf_sim.scenarios.opendrive.smoothing import smoothed
 from vpf_sim.scenarios.opendrive.spans import Element, pieces, span
-from vpf_sim.scenarios.opendrive.widths import width_tables
+from vpf_sim.scenarios.opendrive.widths import border_places, borders, is_plain, too_tight, width_tables
 from vpf_sim.scenarios.parts import FARTHEST_M
 
 HEADING_DIGITS = 9
-INNER, CENTRE, OUTER = 0.0, 0.5, 1.0  # lines along the lanes, as shares of their width
-MEANING = {INNER: "the carriageway", CENTRE: "half the carriageway", OUTER: "the carriageway"}
+WAVES_M = (1.0, 2.0, 4.0)  # that are smoothed out, in order
 LENGTH_DIGITS = 6  # micrometres
 RADIUS_DIGITS = 9  # of all digits
 
@@ -60,11 +61,6 @@ def elements(tables: Iterable[Segment]) -> Iterator[Element]:
         yield Element(one["length_m"], first, curvature)
 
 
-def tightest_m(elements: Iterable[Element], sign: float) -> float:
-    """The least radius of a chain's bends to the right (1) or left (-1); a large one where there is none."""
-    return 1.0 / max([SAME_PER_M, *(sign * k for one in elements for k in one[1:])])
-
-
 def road_table(table: dict[str, Any], file: str) -> dict[str, Any]:
     """The keys of `Road` for a table that names a map; `file` is the scenario's. Raises InputError."""
     wanted = build(OpenDriveFile, {"road": table}, file).road
@@ -89,36 +85,41 @@ def _table(lanes: Carriageway, own_look: dict[str, Any]) -> dict[str, Any]:
 
 
 def _first_that_fits(lanes: Carriageway) -> dict[str, Any]:
-    """The line along which s runs: the centre of the lanes, or where their width changes an edge without kinks."""
-    faults = []
-    for share in (INNER, OUTER, CENTRE) if lanes.varies else (CENTRE,):
+    """Start, heading, segments and widths, for the first line that fits.
+
+    Where no line of the map is smooth enough, a reference line is smoothed.
+    """
+    fault = None
+    for shifts in lines(lanes):
         try:
-            return _line(lanes, share)
+            return _along(lanes, shifts)
         except InputError as error:
-            faults.append(error)
-    raise faults[0]
+            fault = error
+    assert fault is not None
+    for wave_m in WAVES_M:
+        with suppress(InputError):
+            return _along(lanes, beside_reference_lines(lanes, 0.0), wave_m)
+    raise fault
 
 
-def _line(lanes: Carriageway, share: float) -> dict[str, Any]:
-    """Start, heading, segments and widths, for a line at a share of the lanes' width from their inner edge."""
-    curve = [(stretch, piece) for stretch in lanes.stretches for piece in pieces(span(stretch, share))]
-    width_m = max(float(stretch.widths_at(piece.s_m).sum(axis=1).max()) for stretch, piece in curve)
-    if not lanes.varies:
-        width_m = lanes.lanes * lanes.lane_width_m
-    line = chain.Chain(curve[0][1], 0.5 * width_m)
-    for _, piece in curve:
-        line.add(piece)
+def _along(lanes: Carriageway, shifts: Shifts, wave_m: float | None = None) -> dict[str, Any]:
+    """Start, heading, segments and widths, for one line, without waves shorter than about `wave_m`."""
+    curve = [
+        (stretch, shift, piece)
+        for stretch, shift in zip(lanes.stretches, shifts, strict=True)
+        for piece in pieces(span(stretch, shift))
+    ]
+    borders_m = [borders(*one) for one in curve]
+    truth = [piece for _, _, piece in curve]
+    widest_m = max(float(np.ptp(one, axis=1).max()) for one in borders_m)
+    line = chain.chained(truth, 0.5 * widest_m) if wave_m is None else smoothed(truth, wave_m)
     found = segments(chain.with_leads(chain.merged(line.elements)))
-    made = [*elements(found)]
-    line.check(made)
-    left_share = share if lanes.has_left_inside else 1.0 - share
-    for sign, side in ((1.0, 1.0 - left_share), (-1.0, left_share)):
-        if (radius_m := tightest_m(made, sign)) <= side * width_m:
-            raise InputError(
-                f"{curve[0][1].where}: planView: expected bends wider than {MEANING[share]}, {side * width_m:g} m, "
-                f"got a radius of {radius_m:.2f} m"
-            )
-    widths = {"widths": width_tables(lanes, curve, line, share)} if lanes.varies else {}
+    made = (*elements(found),)
+    line._replace(elements=made).check(truth)
+    places = border_places(line, borders_m)
+    if fault := too_tight(made, places):
+        raise InputError(f"{curve[0][2].where}: planView: {fault}")
+    widths = {} if is_plain(lanes, places) else {"widths": width_tables(places)}
     start = line.start
     is_near = max(abs(start.real), abs(start.imag)) <= FARTHEST_M
     return {

@@ -70,14 +70,14 @@ class Span:
         )
 
 
-def span(stretch: Stretch, share: float) -> Span:
-    """The curve of a stretch, between the inner edge of its lanes (0) and the outer one (1)."""
+def span(stretch: Stretch, shift: Cubic) -> Span:
+    """The curve of a stretch, `shift` left of the reference line."""
     geometries = stretch.leg.road.geometries
     middle_m = 0.5 * (stretch.low_m + stretch.high_m)
     geometry = next((one for one in reversed(geometries) if one.s_m <= middle_m), geometries[0])
     ends = (stretch.low_m, stretch.high_m)
     first_m, last_m = ends if stretch.leg.forward else reversed(ends)
-    return Span(stretch.leg.road.where, geometry, stretch.line(share), first_m, last_m)
+    return Span(stretch.leg.road.where, geometry, shift, first_m, last_m)
 
 
 class Element(NamedTuple):

@@ -159,3 +159,44 @@ def test_the_default_rules_are_for_the_scenarios_of_the_gate(
     assert {row["outcome"] for row in json.loads(capsys.readouterr().out)["checks"]} <= {"passed", "skipped"}
     assert cli.run(["check", str(run(tmp_path / "other", lambda _: {}))]) == 2
     assert "without --rules, expected the scenarios gate-course and gate-traffic, got" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("scenario", "weather", "change", "rule"),
+    [
+        ("gate-course", "rain", {"min_clearance_m": 0.3}, None),
+        ("gate-course", "clear", {"min_clearance_m": 0.3}, "clearance_m_at_least 0.4"),
+        ("gate-traffic", "rain", {"min_clearance_m": 0.1}, "clearance_m_at_least 0.2"),
+        ("gate-traffic", "clear", {"perception": {"objects": {"precision": 0.3}}}, "precision_at_least 0.35"),
+        ("gate-course", "rain", {"perception": {"objects": {"precision": 0.6}}}, "precision_at_least 0.7"),
+        ("gate-course", "clear", {"status": "collision", "collisions": 1}, "success_rate_at_least 1"),
+    ],
+)
+def test_the_default_rules_find_a_regression_in_one_cell(
+    scenario: str,
+    weather: str,
+    change: dict[str, Any],
+    rule: str | None,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+) -> None:
+    """Each limit is checked once in a cell, also where a tighter one is for its weather."""
+    gates = Plan(("gate-course", "gate-traffic"), ("clear", "rain"), ("vpf",), "0:1")
+    good = {"perception": {"objects": {"precision": 1.0}}}
+
+    def driven(job: Job) -> dict[str, Any]:
+        return {**good, **(change if job[:2] == (scenario, weather) else {})}
+
+    assert cli.run(["check", str(run(tmp_path / "run", driven, gates)), "--json"]) == int(rule is not None)
+    checks = json.loads(capsys.readouterr().out)["checks"]
+    failed = [one for one in checks if one["outcome"] == "failed"]
+    assert {(one["scenario"], one["weather"]) for one in failed} <= {(scenario, weather)}
+    assert [one["expected"] for one in failed][:1] == ([] if rule is None else [rule])
+    names = [(one["scenario"], one["weather"], one["expected"].split()[0]) for one in checks]
+    assert len(names) == len(set(names))
+
+
+def test_the_default_rules_need_no_clear_weather(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    gates = Plan(("gate-course", "gate-traffic"), ("rain",), ("pid",), "0:1")
+    assert cli.run(["check", str(run(tmp_path / "run", lambda _: {}, gates)), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["ok"]

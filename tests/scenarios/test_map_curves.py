@@ -130,6 +130,19 @@ def test_a_slight_corner_of_the_offset_is_rounded(tmp_path: Path) -> None:
     assert_on(scenario, 2, curve.shifted(lambda s: 0.01 * np.maximum(s - 50.0, 0.0) - 1.75), ends_m=0.02)
 
 
+def test_spirals_that_begin_with_another_curvature_turn_as_the_map_does(tmp_path: Path) -> None:
+    """Thirty spirals of 4 m, from a bend to the right to one to the left: the curvature jumps by 0.16 1/m between."""
+    pose, text, truth = POSE, "", []
+    for i in range(30):
+        curve = xodr.of_curvature(lambda s: 0.04 * s - 0.08, 4.0, pose)
+        text += xodr.geometry('<spiral curvStart="-0.08" curvEnd="0.08"/>', 4.0, 4.0 * i, pose)
+        truth.append(curve.shifted(lambda s: np.full(s.shape, -1.75))[100:-100:2000])
+        pose = curve.end
+    scenario = converted(tmp_path, 'route = ["7"]\ndirection = "forward"', xodr.road("7", text, TWO_WAY))
+    _, right = CentreLine(scenario.road).local(np.concatenate(truth))
+    assert np.abs(right - scenario.road.lane_offset_m(2)).max() < 0.01
+
+
 def test_errors_of_rounded_digits_do_not_add_up(tmp_path: Path) -> None:
     """Twenty arcs and lines whose curvature has three digits: each ends 5 mm and 0.2 mrad off, to the same side."""
     pose, text, truth = POSE, "", []

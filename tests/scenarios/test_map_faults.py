@@ -134,7 +134,7 @@ def test_a_file_that_is_no_map_is_refused(text: str | bytes, line: str, tmp_path
         ),
         (
             ROAD.replace("<line/>", '<arc curvature="-0.15"/>'),
-            "planView: expected bends wider than half the carriageway, 3.5 m, got a radius of 3.17 m",
+            "planView: expected bends wider than the road inside them, 3.5 m, got a radius of 3.17 m",
         ),
     ],
 )
@@ -144,11 +144,11 @@ def test_a_fault_of_a_road_is_one_line(road: str, line: str, tmp_path: Path) -> 
 
 
 def test_a_gap_between_geometries_is_refused(tmp_path: Path) -> None:
-    """The second line begins 6 cm beside the end of the first."""
-    geometries = xodr.geometry("<line/>", 60.0) + xodr.geometry("<line/>", 60.0, 60.0, (60.0, 0.06, 0.0))
+    """The second line begins 12 cm beside the end of the first: no line is within 5 cm of both."""
+    geometries = xodr.geometry("<line/>", 60.0) + xodr.geometry("<line/>", 60.0, 60.0, (60.0, 0.12, 0.0))
     text = f"<OpenDRIVE>{xodr.road('45', geometries, LANES)}</OpenDRIVE>"
     assert message(tmp_path, text=text) == (
-        "F/map.xodr: road 45: planView: expected a line that goes on within 0.05 m, got 0.060 m at x = 60.00, y = -3.44"
+        "F/map.xodr: road 45: planView: expected a line that goes on within 0.05 m, got 0.120 m at x = 60.00, y = -3.38"
     )
 
 
@@ -161,7 +161,8 @@ def test_a_road_that_goes_on_far_away_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_corner_is_refused(tmp_path: Path) -> None:
-    geometries = xodr.geometry("<line/>", 60.0) + xodr.geometry("<line/>", 60.0, 60.0, (60.0, 0.0, 0.2))
+    """Of 57 deg: a bend within 5 cm of both lines has a radius of 0.8 m."""
+    geometries = xodr.geometry("<line/>", 60.0) + xodr.geometry("<line/>", 60.0, 60.0, (60.0, 0.0, 1.0))
     said = message(tmp_path, text=f"<OpenDRIVE>{xodr.road('45', geometries, LANES)}</OpenDRIVE>")
     assert said.startswith("F/map.xodr: road 45: planView: expected a line that goes on within 0.05 m, got ")
 

@@ -21,6 +21,7 @@ from vpf_sim.cli import (
     scenarios,
     streams,
     sweep,
+    verify,
     video,
     weathers,
 )
@@ -41,6 +42,7 @@ SIMULATING = (
     "export",
     "report",
     "perception",
+    "verify",
 )
 STOPPED = 130  # exit code after Ctrl-C
 STORES_AT_END = {"drive", "play"}
@@ -85,6 +87,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     video.video,
     export.export,
     check.check,
+    verify.verify,
     perception.perception,
     machine.profile,
     machine.doctor,

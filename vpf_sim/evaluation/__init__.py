@@ -11,4 +11,5 @@ Each package imports only packages above it:
 - analysis: statistics, comparisons and tables of a run's records
 - perception: open-loop evaluation of perception on the poses of stored drives
 - gate: pass/fail rules for a run, for CI
+- verification: whether a stored run is what it says
 """

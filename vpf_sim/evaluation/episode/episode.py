@@ -17,6 +17,7 @@ from vpf_sim.evaluation.episode.paired import matched, pid_without_obstacles
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.records import Record, Timing
 from vpf_sim.evaluation.metrics.scoring import score
+from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import InvalidFrame, Outcome, StepTable
 from vpf_sim.timing import Stopwatch
 from vpf_sim.types import Driver, DriverSetup, Image, Observation, Plan
@@ -40,27 +41,30 @@ def run(
     seed: int,
     watch: Watcher | None = None,
     name: str | None = None,
+    inputs: RunInputs | None = None,
 ) -> EpisodeResult:
     """Drive one episode and score it; `watch` receives each frame with the driver's plan for it.
 
     `name` is the driver's in the record; by default, it is the one that leads to it.
 
     Without `watch`, only the frames that the driver uses are rendered; the drive is the same. Process settings that the
-    driver changes are restored.
+    driver changes are restored. Scenario and weather are those of a stored run where its `inputs` are given.
     """
     with process_state.preserved():
-        result = _run(Job(scenario, weather, name or drivers.name_of(driver), seed), driver, watch)
+        job = Job(scenario, weather, name or drivers.name_of(driver), seed)
+        result = _run(job, driver, watch, inputs or RunInputs())
     # The objects of an environment reference each other; without a collection here, old ones fragment the heap.
     gc.collect()
     return result
 
 
-def _run(job: Job, driver: drivers.DriverLike, watch: Watcher | None) -> EpisodeResult:
+def _run(job: Job, driver: drivers.DriverLike, watch: Watcher | None, inputs: RunInputs) -> EpisodeResult:
     started_s, stopwatch = perf_counter(), Stopwatch()
     tested = drivers.create(driver)
     truth, frames = (("foe",), True) if drivers.uses_images(tested) else ((), watch is not None)
 
-    with closing(FourLane(job.scenario, job.weather, truth=truth, frames=frames)) as env:
+    world = inputs.scenario(job.scenario), inputs.weather(job.weather)
+    with closing(FourLane(*world, truth=truth, frames=frames)) as env:
         with stopwatch.running():
             outcome = roll_out(env, tested, drivers.create("pid"), job.seed, watch, stopwatch.end_step)
         wall_s = perf_counter() - started_s

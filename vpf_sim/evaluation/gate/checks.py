@@ -101,7 +101,7 @@ def matching(rule: Rule, cells: Iterable[Cell], path: Path, where: str) -> list[
         names = {getattr(cell, kind) for cell in cells}
         if not any(fnmatchcase(name, pattern) for name in names):
             raise InputError(f"{where}.{kind}: not in {path}: {unknown_name(kind, pattern, names)}")
-    found = [cell for cell in cells if all(map(fnmatchcase, cell, wanted))]
+    found = [*filter(rule.matches, cells)]
     if not found:
         raise InputError(f"{where}: expected a cell of {path}, got none that is {', '.join(wanted)}")
     return found

@@ -22,18 +22,38 @@ AGGREGATES: dict[str, Callable[[list[float]], float | None]] = {"collisions": su
 
 
 def check(run: Run, rules: Sequence[Rule], file: Path) -> list[Check]:
-    """Check every rule in every matching cell; paths of baselines are relative to the rules' `file`."""
+    """Check every rule in every matching cell; paths of baselines are relative to the rules' `file`.
+
+    Of several limits of one value, the tightest is checked.
+    """
     checks: list[Check] = []
+    limits = _tightest(run, rules)
     for i, rule in enumerate(rules):
         if rule.perception is not None:
             checks += perception.check(run, rule, rule.perception, f"{file}: rules[{i}].perception")
         if not rule.bounds() and rule.no_worse_than is None:
             continue
         cells = matching(rule, run.cells, run.path, f"{file}: rules[{i}]")
-        checks += [_bound(key, limit, cell, run.cells[cell]) for cell in cells for key, limit in rule.bounds().items()]
+        checks += [
+            _bound(key, limit, cell, run.cells[cell])
+            for cell in cells
+            for key, limit in rule.bounds().items()
+            if limit == limits[cell, key]
+        ]
         if rule.no_worse_than is not None:
             checks += _no_worse(rule, run, cells, file.parent / rule.no_worse_than)
     return list(dict.fromkeys(checks))  # two rules may be equal
+
+
+def _tightest(run: Run, rules: Sequence[Rule]) -> dict[tuple[Cell, str], float]:
+    """The tightest limit of each bound in each cell."""
+    found: dict[tuple[Cell, str], float] = {}
+    for rule in rules:
+        for cell in filter(rule.matches, run.cells):
+            for key, limit in rule.bounds().items():
+                tighter = max if key.endswith("_at_least") else min
+                found[cell, key] = tighter(limit, found.get((cell, key), limit))
+    return found
 
 
 def _bound(key: str, limit: float, cell: Cell, episodes: Episodes) -> Check:

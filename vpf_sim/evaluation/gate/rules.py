@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import fields
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Annotated, Literal, get_args
 
@@ -9,6 +10,7 @@ from pydantic import Field
 
 from vpf_sim import configuration
 from vpf_sim.configuration import setting, settings
+from vpf_sim.evaluation.analysis.rows import Cell
 
 DEFAULT_RULES = Path(__file__).with_name("default_rules.toml")  # for the scenarios gate-course and gate-traffic
 Score = Literal["success_rate", "collisions", "path_mse_m2", "clearance_m", "comfortable_share"]
@@ -86,6 +88,10 @@ class Rule:
     def bounds(self) -> dict[str, float]:
         """The given bounds by key."""
         return _given(self, BOUNDS)
+
+    def matches(self, cell: Cell) -> bool:
+        """Whether the rule is for a cell."""
+        return all(map(fnmatchcase, cell, (self.scenario, self.weather, self.driver)))
 
 
 BOUNDS = tuple(key for field in fields(Rule) if (key := field.name).endswith(("_at_least", "_at_most")))

@@ -1,0 +1,59 @@
+"""A stored run as a verification reads it."""
+
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from vpf_sim.errors import InputError
+from vpf_sim.evaluation.analysis.rows import Summary, read_summary
+from vpf_sim.evaluation.job import Job
+from vpf_sim.evaluation.metrics.records import Record
+from vpf_sim.evaluation.run_inputs import RunInputs
+from vpf_sim.evaluation.sweeps.manifest import Manifest, read_manifest, stored_plan
+from vpf_sim.evaluation.sweeps.plan import Plan
+from vpf_sim.evaluation.sweeps.run_folder import read_records
+
+SUMMARY = "summary.json"
+
+
+@dataclass(frozen=True)
+class Run:
+    """The content of a run folder."""
+
+    path: Path
+    manifest: Manifest
+    plan: Plan
+    records: tuple[Record, ...]  # all lines, sorted by id
+    summary: Summary | None  # None where the run was interrupted
+
+    @classmethod
+    def of(cls, path: Path) -> "Run":
+        """The run in a folder; InputError for an unusable one."""
+        if not path.is_dir():
+            raise InputError(f"{path}: expected a run folder, got {'a file' if path.exists() else 'nothing'}")
+        return cls(path, read_manifest(path), stored_plan(path), tuple(read_records(path)), _summary(path / SUMMARY))
+
+    @cached_property
+    def jobs(self) -> list[Job]:
+        """The planned episodes, sorted by id."""
+        return sorted(self.plan.jobs(), key=lambda job: job.id)
+
+    @property
+    def inputs(self) -> RunInputs:
+        return RunInputs.of(self.path, self.manifest.made_in)
+
+    def steps_file(self, episode: str) -> Path:
+        return self.path / "steps" / f"{episode}.parquet"
+
+
+def _summary(file: Path) -> Summary | None:
+    if not file.exists():
+        return None
+    try:
+        content = json.loads(file.read_bytes())
+    except ValueError:
+        content = None
+    if not isinstance(content, dict):
+        raise InputError(f"{file}: expected a JSON object, got something else")
+    return read_summary(content, str(file))
