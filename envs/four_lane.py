@@ -42,10 +42,10 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
     Action: throttle (negative brakes) and steering (+ is right) in [-1, 1]. Observation: `image` (H, W, 3) RGB, `ego`
     (x, y, yaw, speed, yaw rate) in m, rad, s, `goal` (x, y) m, `time` s. Reward: metres of route gained / 10, less 0.01
     x squared change of action, less 5 on collision or off_road, plus 5 on success. `info`: `status` ("running" until
-    the end), `route_m`, `lane_offset_m` from the centre of the ego's lane (+ is right), `clearance_m` to the nearest
-    object, `collided_with`, and the arrays that `truth` names; after an invalid frame also `invalid_frame` with its
-    number, `time_s` and `fault`; with sensor errors or faults also `ego`, the true state. Success, collision and
-    off_road terminate; timeout, stuck and invalid_frame truncate.
+    the end), `is_success` as Stable-Baselines3 reads it, `route_m`, `lane_offset_m` from the centre of the ego's lane
+    (+ is right), `clearance_m` to the nearest object, `collided_with`, and the arrays that `truth` names; after an
+    invalid frame also `invalid_frame` with its number, `time_s` and `fault`; with sensor errors or faults also `ego`,
+    the true state. Success, collision and off_road terminate; timeout, stuck and invalid_frame truncate.
 
     With camera faults in the scenario (`ego.sensor_faults`), `image` is the last frame that has arrived, the
     observation has its exposure time as `frame_time`, s, and every frame is drawn. `render` shows the frame before the
@@ -260,6 +260,7 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
     def _info(self, status: Status) -> dict[str, Any]:
         return {
             "status": status,
+            "is_success": status == "success",
             "route_m": self._route_m,
             "lane_offset_m": self.ego.place[1] - self._path.offset_at(self.ego.place[0]),
             "clearance_m": clearance(self.ego),

@@ -35,6 +35,7 @@ def test_success_when_the_centre_crosses_the_goal() -> None:
     assert steps[-1][1] == pytest.approx(5.0 + 5.55 / 60.0 / 10.0)
     assert steps[-1][4]["route_m"] == pytest.approx(env.ego.position[0] - 5.0)
     assert all(step[4]["status"] == "running" for step in steps[:-1])
+    assert [step[4]["is_success"] for step in steps] == [False] * (len(steps) - 1) + [True]
 
 
 @pytest.mark.usefixtures("blind")

@@ -2,16 +2,20 @@
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from html import escape
 from operator import index
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, SupportsIndex
 
 from vpf_sim import drivers
+from vpf_sim.api import views
 from vpf_sim.api.paths import StrPath, output_file, text
+from vpf_sim.api.views import Page, Picture, Video
 from vpf_sim.drivers import DriverLike
 from vpf_sim.errors import InputError, option, shown
 from vpf_sim.evaluation.episode import episode
+from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.system import one_thread
 from vpf_sim.window import require_display
 
@@ -29,11 +33,14 @@ class Episode:
 
     >>> episode = vpf_sim.drive("town04", weather="rain")
     >>> episode.status, episode.record["path_mse_m2"]
-    >>> episode.steps.plot(x="x_m", y="y_m")
+    >>> episode.picture(time_s=3.0), episode.plot(), episode.video()
+
+    A notebook shows the plot of an episode, and what these three return.
     """
 
     result: episode.EpisodeResult
     path: Path | None = None  #: the run folder, if it is stored
+    inputs: RunInputs = field(default_factory=RunInputs)  #: the scenario and weather that it was driven with
 
     def __repr__(self) -> str:
         last = f", {self.error.strip().splitlines()[-1]}" if self.error else ""
@@ -63,6 +70,30 @@ class Episode:
     def steps(self) -> "pd.DataFrame":
         """A row a frame: state, commands, clearance, perception; NaN where there is no value."""
         return self.result.steps.data_frame()
+
+    def picture(self, time_s: float | None = None) -> Picture:
+        """The camera's frame at a time, by default the last, with what the driver perceives and plans.
+
+        The drive is computed again up to this time.
+        """
+        return views.picture(self.result, self.inputs, time_s)
+
+    def plot(self) -> Page:
+        """The path over the road, throttle, steering and speed, and the main scores."""
+        return views.plot(self.result, self.inputs)
+
+    def video(self, file: StrPath | None = None) -> Video:
+        """The drive as an .mp4: camera with the driver's view, the road from above, and signals.
+
+        By default it is written into the folder `videos` of the run, or without one into the working folder. It needs
+        the extra `video`.
+        """
+        name = f"{self.result.record.id}.mp4"
+        default = Path(name) if self.path is None else self.path / "videos" / name
+        return views.video(self.result, self.inputs, output_file("file", file, ".mp4") or default)
+
+    def _repr_html_(self) -> str:
+        return self.plot()._repr_html_() if len(self.result.steps) else f"<pre>{escape(repr(self))}</pre>"
 
 
 def drive(

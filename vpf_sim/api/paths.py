@@ -1,4 +1,4 @@
-"""Names, paths and output files that are given as parameters or options."""
+"""Names and files that a caller gives as text or as paths."""
 
 import os
 from collections.abc import Iterable

@@ -1,12 +1,17 @@
 """A stored run as pandas data frames."""
 
 from collections.abc import Iterable
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from vpf_sim.api.drive import Episode
 from vpf_sim.api.paths import StrPath, text
 from vpf_sim.errors import InputError
+from vpf_sim.evaluation.episode.episode import EpisodeResult
+from vpf_sim.evaluation.metrics.records import Timing
 from vpf_sim.evaluation.scores import Json
+from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.evaluation.sweeps.run_folder import located
 from vpf_sim.reporting.run_data import open_run
 
@@ -14,6 +19,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 NAMES = ("id", "scenario", "weather", "driver", "seed", "status", "of", "minus", "episodes", "success_rate")
+SHOWN = (*NAMES[1:4], "episodes", "success_rate", "collisions", "min_clearance_m", "path_mse_m2")
 
 
 class Run:
@@ -34,6 +40,10 @@ class Run:
 
     def __repr__(self) -> str:
         return f"<Run {self.path}: {len(self._stored.records)} episodes>"
+
+    def _repr_html_(self) -> str:
+        shown = [name for name in SHOWN if name in (table := self.table)]
+        return f"<p>{escape(repr(self))}</p>{table[shown].to_html(index=False, na_rep='-', float_format='%.3g')}"
 
     @property
     def records(self) -> "pd.DataFrame":
@@ -64,6 +74,15 @@ class Run:
                 f"{episode}: expected an episode with steps, got one that {self._stored.why_no_steps(episode)}"
             )
         return table.data_frame()
+
+    def episode(self, episode: str) -> Episode:
+        """The episode with this id, as `vpf_sim.drive` returns it; InputError where it is unknown."""
+        record, folder = self._stored.record(episode), self.path
+        table, timing = self._stored.steps(episode), self._stored.timing.get(episode, Timing(id=episode))
+        traceback = folder / "errors" / f"{episode}.txt"
+        error = traceback.read_text("utf-8", errors="replace") if traceback.exists() else None
+        result = EpisodeResult(record, StepTable.of([]) if table is None else table, timing, error)
+        return Episode(result, folder, self._stored.inputs)
 
     def summary(self) -> dict[str, Any]:
         """The rows and comparisons, as in summary.json of the folder."""

@@ -64,7 +64,7 @@ class Redrawing:
                 objects = tuple(rectangle_of(obj) for obj in solid_objects(world.ego))
                 plan = replanner.plan(frame.index, observation) if replanner else None
                 yield Moment(frame.index, observation.image, plan, objects)
-        self.remarks += world.deviations(self.record) + (replanner.remarks if replanner else [])
+        self.remarks[:0] = world.deviations(self.record)
 
     def _world(self) -> PosePlayback:
         return PosePlayback.of(self.record, self.table, self.inputs)
@@ -74,7 +74,7 @@ class _Replanner:
     """Recomputes the driver's plans."""
 
     def __init__(self, drawn: Redrawing, world: FourLane) -> None:
-        self.remarks: list[str] = []
+        self.remarks = drawn.remarks
         self._table = drawn.table
         self._driver: Driver | None = None
         try:
