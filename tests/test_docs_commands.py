@@ -29,7 +29,7 @@ from vpf_sim.replay.drive_file import DriveFile
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
-PAGES = ["own-drives", "gate", "cluster", "reproduce", "datasets"]
+PAGES = ["own-drives", "gate", "cluster", "reproduce", "datasets", "verification"]
 TOO_LONG = {"results", "learning", "hard", "highway-env", "twins"}  # for a good part of an hour, or need recordings
 BY_HAND = {"play"}  # tests/cli/test_play.py
 TUTORIALS = {"start"}  # tests/test_tutorials.py

@@ -42,8 +42,9 @@ class Run:
         return f"<Run {self.path}: {len(self._stored.records)} episodes>"
 
     def _repr_html_(self) -> str:
-        shown = [name for name in SHOWN if name in (table := self.table)]
-        return f"<p>{escape(repr(self))}</p>{table[shown].to_html(index=False, na_rep='-', float_format='%.3g')}"
+        table = self.table
+        shown = table[[name for name in SHOWN if name in table]]
+        return f"<p>{escape(repr(self))}</p>{shown.to_html(index=False, na_rep='-', float_format='{:.3g}'.format)}"
 
     @property
     def records(self) -> "pd.DataFrame":

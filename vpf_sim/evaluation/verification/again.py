@@ -7,11 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from vpf_sim.evaluation import steps
+from vpf_sim.evaluation import pool, steps
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.episode.episode import EpisodeResult
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.processes import pool
 from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.sweeps.fingerprint import fingerprint

@@ -13,8 +13,8 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.analysis.rescore import score
 from vpf_sim.evaluation.analysis.summary import summarize
-from vpf_sim.evaluation.metrics.path import completion
 from vpf_sim.evaluation.metrics.records import Record
+from vpf_sim.evaluation.metrics.tracking import completion
 from vpf_sim.evaluation.scores import Json
 from vpf_sim.evaluation.steps import Outcome, StepTable
 from vpf_sim.evaluation.sweeps.manifest import HASHED
