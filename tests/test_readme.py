@@ -1,12 +1,15 @@
 """What the README shows runs, and what it and the docs link to exists."""
 
+import os
 import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from systems import POSIX_ONLY
 
+import vpf_sim
 from vpf_sim import cli
 
 ROOT = Path(__file__).parents[1]
@@ -14,11 +17,20 @@ README = (ROOT / "README.md").read_text()
 PYTHON_BLOCKS = re.findall(r"```python\n(.*?)```\n+prints\n+```text\n(.*?)```", README, re.DOTALL)
 MADE = {"commands.md", "configuration.md"}  # with the site, whose build checks their links
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+SHOWN = [
+    *re.findall(r'`vpf_sim\.drive\("([\w-]+)", driver="(\w+)", seed=(\d+)\)`', README),
+    *re.findall(
+        r"^vpf-sim drive ([\w-]+) --driver (idm|expert) --seed (\d+)",
+        (ROOT / "docs" / "highway-env.md").read_text(),
+        re.MULTILINE,
+    ),
+]
 COMMANDS = sorted(set(re.findall(r"^vpf-sim ([a-z]+)", README, re.MULTILINE)))
 
 
 def test_there_is_something_to_run() -> None:
     assert PYTHON_BLOCKS
+    assert len(SHOWN) == 2
     assert {"drive", "sweep", "report", "results", "check"} <= set(COMMANDS)
 
 
@@ -32,6 +44,23 @@ def test_the_example_prints_what_it_claims(code: str, printed: str, tmp_path: Pa
     done = subprocess.run(run, capture_output=True, text=True, cwd=tmp_path, check=False)
     assert done.stderr == ""
     assert done.stdout == printed
+
+
+@pytest.mark.parametrize(("scenario", "driver", "seed"), SHOWN)
+def test_a_shown_drive_arrives(scenario: str, driver: str, seed: str) -> None:
+    assert vpf_sim.drive(scenario, driver=driver, seed=int(seed)).status == "success"
+
+
+@pytest.mark.slow
+@POSIX_ONLY
+def test_the_commands_do_what_they_say(tmp_path: Path) -> None:
+    """Each exits with 0, but for `check`: the README says that one of the drivers breaks rules."""
+    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    for line in re.findall(r"^vpf-sim .*", README, re.MULTILINE):
+        done = subprocess.run(
+            ["sh", "-c", line], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == (1 if line.startswith("vpf-sim check") else 0), f"{line}\n{done.stderr}"
 
 
 @pytest.mark.parametrize("command", COMMANDS)
