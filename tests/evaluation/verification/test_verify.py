@@ -186,6 +186,9 @@ def test_the_sample_is_that_of_its_seed_and_has_one_episode_at_least() -> None:
     assert again.sample(jobs, 0.05, 7) == again.sample(jobs, 0.05, 7) != again.sample(jobs, 0.05, 8)
     assert len(again.sample(jobs[:3], 0.05, 7)) == 1
     assert again.sample(jobs, 1.0, 7) == jobs
+    by_hand = [Job("a", "clear", "keyboard", seed) for seed in range(3)]
+    assert again.sample([*by_hand, *jobs], 1.0, 7) == jobs, "nobody is asked to drive again"
+    assert again.sample(by_hand, 1.0, 7) == []
 
 
 @pytest.mark.parametrize("share", ["-0.1", "1.5", "nan"])

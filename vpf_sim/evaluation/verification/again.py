@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from vpf_sim.drivers import KEYBOARD
 from vpf_sim.evaluation import pool, steps
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.episode.episode import EpisodeResult
@@ -25,7 +26,8 @@ Driven = pool.Done[Job, Mismatch | None]
 
 
 def sample(jobs: Sequence[Job], share: float, seed: int) -> list[Job]:
-    """A random share of the episodes, at least one, in their order."""
+    """A random share of the episodes, at least one, in their order; a person drives none twice."""
+    jobs = [job for job in jobs if job.driver != KEYBOARD]
     count = min(len(jobs), max(1, ceil(share * len(jobs))))
     chosen = stream(seed, "verify").choice(len(jobs), count, replace=False)
     return [jobs[i] for i in sorted(chosen)]
