@@ -15,7 +15,7 @@ ALONG_SIGMA_M, ACROSS_SIGMA_M, MOVING_ACROSS_SIGMA_M = 0.2, 0.12, 0.25  # at lea
 STANDING_SIGMA_MPS, MOVING_SIGMA_MPS = 0.05, 0.5
 CONFIRMED = 4.0  # log-odds that an obstacle adds which perception has confirmed by itself
 
-BORN_M, NEAR = 8.0, 0.3  # what stands and appears nearer should have been seen before: it adds less
+BORN_M, NEAR = 8.0, 0.3  # what stands and appears nearer should have been seen before: it adds less, or nothing
 HEIGHT_M, HEIGHT_SIGMA_M = 0.06, 0.06  # of a point that supports an obstacle
 CHI2, CHI2_MARGIN = 9.0, 12.0  # of it as a static point, at most, and how much more on the road
 BEFORE_M, BEHIND_M, ASIDE_M = 0.6, 1.5, 0.3  # of its face and beside it, where such points are
@@ -48,7 +48,8 @@ def of_obstacles(
     state = np.stack([s, d, obstacles.speed_mps, np.zeros(count)], axis=1)
     width = obstacles.width_m
     loss = np.where(moving, MOVING_LOSS_PER_S, STATIC_LOSS_PER_S)
-    gain = np.where(moving | (obstacles.forward_m > BORN_M), CONFIRMED, np.where(np.isnan(odds), NEAR, odds))
+    unjudged = np.where(obstacles.forward_m > SUPPORT_M[0], NEAR, 0.0)
+    gain = np.where(moving | (obstacles.forward_m > BORN_M), CONFIRMED, np.where(np.isnan(odds), unjudged, odds))
     return Detections(state, covariance, sizes.lengths_m(width), width, gain, loss)
 
 
