@@ -233,5 +233,5 @@ def test_truth_is_given_on_request_only() -> None:
     _, info = FourLane("straight", rig=SMALL, truth=("foe",)).reset(seed=0)
     assert "foe" in info
     _, info = FourLane("straight", rig=SMALL).reset(seed=0)
-    assert set(info) == {"status", "route_m", "lane_offset_m", "clearance_m", "collided_with"}
+    assert set(info) == {"status", "is_success", "route_m", "lane_offset_m", "clearance_m", "collided_with"}
     assert info["clearance_m"] == inf

@@ -93,6 +93,7 @@ def drive(
         x_m = seconds * SPEED_MPS
         ego = SimpleNamespace(position=np.array([x_m, LANE_M]), heading=0.0, place=(x_m, LANE_M), road=road)
         ego.LENGTH, ego.WIDTH = EGO_M
+        ego.diagonal = float(np.hypot(*EGO_M))
         world = SimpleNamespace(ego=ego, road=road)
         scorer.add(row, _perception(see(x_m, seconds)), world, {"lane_offset_m": 0.0, "foe": FOE_PX})
     steps = StepTable.of([Step(row / RATE_HZ, *[0.0] * 7, np.inf) for row in range(rows)])

@@ -15,7 +15,8 @@ from vpf_sim.types import Floats, Perception
 
 ESTIMATED = ("foe_x_px", "foe_y_px", "seen_left_m", "seen_right_m")
 TRUE = ("true_foe_x_px", "true_foe_y_px", "true_left_m", "true_right_m")
-OBJECTS = ("objects_right", "objects_wrong", "new_wrong_objects", "met_kind", "met_confirmed_m")
+COUNTED = ("objects_right", "objects_wrong", "new_wrong_objects", "met_kind", "met_confirmed_m")
+OBJECTS = (*COUNTED, "wrong_ahead_m", "near_confirmed_m", "near_sticks_out_m")
 SCORED_COLUMNS = (*ESTIMATED, *TRUE, *OBJECTS)  # step-table columns that perception determines
 
 
