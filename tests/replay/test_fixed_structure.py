@@ -1,4 +1,4 @@
-"""What is fixed to the camera is told from the scene, and does not outvote it."""
+"""What is fixed to the camera is distinguished from the scene, and does not outvote it."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path

@@ -1,6 +1,5 @@
 """Pictures, pages and videos of an episode, which a notebook shows."""
 
-from base64 import b64encode
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -76,8 +75,10 @@ class Video:
     path: Path
 
     def _repr_html_(self) -> str:
-        data = b64encode(self.path.read_bytes()).decode()
-        return f'<video controls muted loop style="max-width: 100%" src="data:video/mp4;base64,{data}"></video>'
+        from vpf_sim.reporting.kit.clip import data_uri
+
+        source = data_uri("video/mp4", self.path.read_bytes())
+        return f'<video controls muted loop style="max-width: 100%" src="{source}"></video>'
 
 
 def picture(result: EpisodeResult, inputs: RunInputs, time_s: float | None) -> Picture:

@@ -9,8 +9,10 @@ from vpf_sim.braking import comfortable_speed
 from vpf_sim.drivers.frame_state import FrameState
 from vpf_sim.drivers.paper_pipeline import FrameTrackers, paper_pipeline
 from vpf_sim.drivers.robust_pipeline import robust_pipeline
+from vpf_sim.perception.egomotion.odometry import Odometry
 from vpf_sim.perception.frame_gate import FrameGate
 from vpf_sim.perception.obstacles.prediction import predict
+from vpf_sim.perception.plausible import Plausibility
 from vpf_sim.perception.schedule import Schedule
 from vpf_sim.planning.variant import FrameConfig, Variant
 from vpf_sim.timing import timed
@@ -26,6 +28,19 @@ from vpf_sim.types import (
 )
 
 NO_IMAGE: Image = np.empty((0, 0, 3), np.uint8)
+
+
+class OwnMotion:
+    """What the car knows of its own motion: signals that can be, and the pose that the odometry makes of them."""
+
+    def __init__(self, setup: DriverSetup, variant: Variant) -> None:
+        self._plausibility = Plausibility(variant.plausibility, setup.vehicle)
+        self._odometry = Odometry(variant.odometry, setup.vehicle) if variant.odometry else None
+
+    def update(self, observation: Observation) -> Observation:
+        """The observation with them; called once for each."""
+        observation = self._plausibility.update(observation)
+        return observation if self._odometry is None else self._odometry.update(observation)
 
 
 class FrameSelection:

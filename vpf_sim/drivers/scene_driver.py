@@ -14,22 +14,19 @@ class SceneDriver(Driver):
 
     def reset(self, setup: DriverSetup) -> None:
         from vpf_sim.drivers.motion_follower import MotionFollower
-        from vpf_sim.drivers.perceiver import Perceiver
-        from vpf_sim.perception.egomotion.odometry import Odometry
-        from vpf_sim.perception.plausible import Plausibility
+        from vpf_sim.drivers.perceiver import OwnMotion, Perceiver
         from vpf_sim.planning import variant as variants
         from vpf_sim.scene.camera import CameraScene
 
         self._setup, self._variant = setup, variants.load(VARIANT)
         self._perceiver = Perceiver(setup, self._variant)
-        self._plausibility = Plausibility(self._variant.plausibility, setup.vehicle)
-        self._odometry = Odometry(self._variant.odometry, setup.vehicle) if self._variant.odometry else None
+        self._own_motion = OwnMotion(setup, self._variant)
         self._scene = CameraScene(setup.camera.forward_m, self._variant.road_edges.object_sizes)
         self._follower = MotionFollower(setup)
         self._lost_m = 0.0  # way since the road was seen
 
     def act(self, observation: Observation) -> Command:
-        observation = self._measured(observation)
+        observation = self._own_motion.update(observation)
         perception = self._perceiver.perceive(observation)
         if self._perceiver.has_processed:
             frame = self._perceiver.frame
@@ -40,11 +37,7 @@ class SceneDriver(Driver):
 
     def perceive(self, observation: Observation) -> Perception:
         """What `act` would perceive, without planning or steering; one of the two is called each step."""
-        return self._perceiver.perceive(self._measured(observation))
-
-    def _measured(self, observation: Observation) -> Observation:
-        observation = self._plausibility.update(observation)
-        return observation if self._odometry is None else self._odometry.update(observation)
+        return self._perceiver.perceive(self._own_motion.update(observation))
 
     def _replan(self, perception: Perception, observation: Observation) -> None:
         speed_mps = self._speed_reference(perception, observation)

@@ -32,20 +32,17 @@ class VisionDriver(Driver):
 
     def reset(self, setup: DriverSetup) -> None:
         from vpf_sim.controllers.gtsmc import Gtsmc
-        from vpf_sim.drivers.perceiver import Perceiver
-        from vpf_sim.perception.egomotion.odometry import Odometry
-        from vpf_sim.perception.plausible import Plausibility
+        from vpf_sim.drivers.perceiver import OwnMotion, Perceiver
         from vpf_sim.planning.planner import create_planner
 
         self._perceiver = Perceiver(setup, self._variant)
         self._planner = create_planner(setup, self._variant)
         self._controller = Gtsmc(self._gains, setup.vehicle, setup.rate_hz)
-        self._odometry = Odometry(self._variant.odometry, setup.vehicle) if self._variant.odometry else None
-        self._plausibility = Plausibility(self._variant.plausibility, setup.vehicle)
+        self._own_motion = OwnMotion(setup, self._variant)
         self._plan = None
 
     def act(self, observation: Observation) -> Command:
-        observation = self._measured(observation)
+        observation = self._own_motion.update(observation)
         perception = self._perceiver.perceive(observation)
         plan = call("plan", self._plan_step, perception, observation)
         command = call("control", self._controller.command, observation, plan.reference)
@@ -54,12 +51,7 @@ class VisionDriver(Driver):
 
     def perceive(self, observation: Observation) -> Perception:
         """What `act` would perceive, without planning or steering; one of the two is called each step."""
-        return self._perceiver.perceive(self._measured(observation))
-
-    def _measured(self, observation: Observation) -> Observation:
-        """The observation with readings that can be, and with the pose that the odometry makes of it."""
-        observation = self._plausibility.update(observation)
-        return observation if self._odometry is None else self._odometry.update(observation)
+        return self._perceiver.perceive(self._own_motion.update(observation))
 
     def _plan_step(self, perception: Perception, observation: Observation) -> Plan:
         """Fields, heading and speed reference; without new frames, a stop."""

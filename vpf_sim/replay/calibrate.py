@@ -153,7 +153,7 @@ def _scene_flow(tracker: FlowTracker, image: Image, along_m: float, fixed: Fixed
 
 
 def _moves(flow: Flow, camera: Camera, fixed: FixedStructure | None) -> bool | None:
-    """Whether the car moves; None where what is fixed to the camera cannot be told from a scene that stands."""
+    """Whether the car moves; None where a scene that stands looks the same as what is fixed to the camera."""
     if camera_fixed_points.moves(flow, camera):
         return True
     is_visible = fixed is not None and fixed.leaves_scene and len(flow) >= camera_fixed_points.LEAST_POINTS

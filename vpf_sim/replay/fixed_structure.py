@@ -21,7 +21,7 @@ CELL_PX, CHANGED_LEVELS, CHANGED_SHARE = 16, 3.0, 0.1  # a frame differs if such
 LEAST_LEVELS, COHERENT = 3.0, 0.7  # grey levels a pixel; size of the mean gradient over the root mean square
 WINDOW_PX, CORNER_LEVELS, CORNER_RATIO = 11, 1.0, 0.1  # of the structure tensor of what stays
 MARGIN_PX, FILL_PX = 2, 31
-MOST_SHARE = 0.6  # of the road's part of the image, above which a scene that stands still cannot be told
+MOST_SHARE = 0.6  # of the road's part of the image, above which it may be a scene that stands still
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,14 +59,13 @@ class FixedStructure:
 
 
 def find(frames: Iterator[Frame], times_s: Floats) -> FixedStructure | None:
-    """What is fixed to the camera in the first minute; None if too few frames differ to tell it from the scene."""
-    total: Floats = np.zeros(0)
-    square: Floats = np.zeros(0)
+    """What is fixed to the camera in the first minute; None if too few frames differ to distinguish the two."""
+    total: Floats = np.zeros(1, np.float32)
+    square: Floats = np.zeros(1, np.float32)
     count = 0
     for image in _differing(frames, times_s):
         gradient: Floats = np.stack([cv2.Sobel(image, cv2.CV_32F, *axis, scale=0.125) for axis in ((1, 0), (0, 1))])
-        total = gradient if not count else total + gradient
-        square = np.sum(gradient**2, axis=0) if not count else square + np.sum(gradient**2, axis=0)
+        total, square = total + gradient, square + np.sum(gradient**2, axis=0)
         count += 1
     if count < FEWEST_FRAMES:
         return None

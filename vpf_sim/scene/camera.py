@@ -8,6 +8,7 @@ from math import cos, hypot, sin
 
 import numpy as np
 
+from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.object_sizes import ObjectSizes
 from vpf_sim.perception.obstacles.crossing import Crossers
@@ -88,9 +89,7 @@ class CameraScene:
         assert self.road is not None
         state = self._tracker.table.state
         x, y, _ = self.road.world(state[:, 0], state[:, 1])
-        dx, dy = x - observation.x_m, y - observation.y_m
-        cosine, sine = cos(observation.yaw_rad), sin(observation.yaw_rad)
-        forward, right = cosine * dx + sine * dy, cosine * dy - sine * dx
+        forward, right = vehicle_from_world(np.column_stack([x, y]), observation.pose).T
         visible = (forward > SIGHT_M[0]) & (forward < SIGHT_M[1]) & (np.abs(right) < BEARING * forward)
         return np.where(visible, 1.0, OUT_OF_SIGHT)
 

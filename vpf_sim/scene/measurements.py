@@ -1,9 +1,8 @@
 """Detections for the tracker, from what perception reports."""
 
-from math import cos, sin
-
 import numpy as np
 
+from vpf_sim.geometry import world_from_vehicle
 from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.object_sizes import ObjectSizes
 from vpf_sim.perception.obstacles.crossing import Crossers
@@ -101,7 +100,5 @@ def of_crossers(crossers: Crossers, camera_m: float, pose: Floats, road: Road, s
 
 def _on_road(forward_m: Floats, right_m: Floats, pose: Floats, road: Road, s_m: float) -> tuple[Floats, Floats]:
     """s and d of places in vehicle axes."""
-    cosine, sine = cos(pose[2]), sin(pose[2])
-    x = pose[0] + cosine * forward_m - sine * right_m
-    y = pose[1] + sine * forward_m + cosine * right_m
+    x, y = world_from_vehicle(np.column_stack([forward_m, right_m]), pose).T
     return road.place_at(x, y, s_m + forward_m)
