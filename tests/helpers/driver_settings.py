@@ -7,9 +7,9 @@ from types import NoneType
 from typing import Any, TypeVar, get_args
 
 from vpf_sim.configuration_fields import walk
-from vpf_sim.perception.egomotion.config import ExpansionConfig, FocusFitConfig
-from vpf_sim.perception.obstacles.config import StaticObstacleConfig
-from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
+from vpf_sim.perception.egomotion.egomotion_settings import ExpansionConfig, FocusFitConfig
+from vpf_sim.perception.obstacles.moving.moving_obstacle_settings import MovingObstacleConfig
+from vpf_sim.perception.obstacles.static_obstacle_settings import StaticObstacleConfig
 from vpf_sim.planning.variant import load
 
 Config = TypeVar("Config")

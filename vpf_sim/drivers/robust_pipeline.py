@@ -7,9 +7,9 @@ from vpf_sim.drivers.paper_pipeline import FEEDBACK, INPUTS, CommonStages, Frame
 from vpf_sim.perception.contrast import contrast
 from vpf_sim.perception.egomotion.keyframes import KeyframeBuffer
 from vpf_sim.perception.egomotion.triangulation import Triangulation
-from vpf_sim.perception.obstacles.config import StaticObstacleConfig
 from vpf_sim.perception.obstacles.crossing import Crossers, CrossingDetector, nobody
 from vpf_sim.perception.obstacles.moving.tracker import MovingObstacleTracker
+from vpf_sim.perception.obstacles.static_obstacle_settings import StaticObstacleConfig
 from vpf_sim.perception.obstacles.static_tracker import StaticObstacleTracker
 from vpf_sim.pipeline import Pipeline, stage
 from vpf_sim.planning.variant import Variant

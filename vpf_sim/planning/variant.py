@@ -13,15 +13,15 @@ from vpf_sim import configuration
 from vpf_sim.configuration import setting, settings
 from vpf_sim.configuration_fields import keys, sections
 from vpf_sim.errors import InputError, unknown_name
-from vpf_sim.perception.egomotion.config import ExpansionConfig, FlowConfig, OdometryConfig, PitchConfig
+from vpf_sim.perception.egomotion.egomotion_settings import ExpansionConfig, FlowConfig, OdometryConfig, PitchConfig
 from vpf_sim.perception.frame_gate import FrameGateConfig
-from vpf_sim.perception.obstacles.config import StaticObstacleConfig
 from vpf_sim.perception.obstacles.crossing import CrossingConfig
-from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
-from vpf_sim.perception.paper.config import ContactConfig, ObstacleMapConfig
+from vpf_sim.perception.obstacles.moving.moving_obstacle_settings import MovingObstacleConfig
+from vpf_sim.perception.obstacles.static_obstacle_settings import StaticObstacleConfig
+from vpf_sim.perception.paper.paper_settings import ContactConfig, ObstacleMapConfig
 from vpf_sim.perception.plausible import PlausibilityConfig
-from vpf_sim.perception.road.config import RoadEdgeConfig
-from vpf_sim.planning.lane.config import LanePlannerConfig
+from vpf_sim.perception.road.road_settings import RoadEdgeConfig
+from vpf_sim.planning.lane.lane_settings import LanePlannerConfig
 from vpf_sim.planning.paper.planner import PaperPlannerConfig
 
 PACKAGE = "vpf_sim.planning.variants"

@@ -11,8 +11,8 @@ import numpy as np
 
 from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.road.birds_eye import BirdsEye, ridge
-from vpf_sim.perception.road.config import RoadEdgeConfig
 from vpf_sim.perception.road.markings import RidgeMap, comb, noise_threshold
+from vpf_sim.perception.road.road_settings import RoadEdgeConfig
 from vpf_sim.replay.fixed_structure import FixedStructure
 from vpf_sim.replay.recording import Frame
 from vpf_sim.types import Camera, Floats, Image

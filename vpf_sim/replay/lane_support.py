@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.perception.road.birds_eye import BirdsEye
-from vpf_sim.perception.road.config import RoadEdgeConfig
+from vpf_sim.perception.road.road_settings import RoadEdgeConfig
 from vpf_sim.replay.fixed_structure import FixedStructure
 from vpf_sim.types import Camera, Floats, Image, RoadEdges
 

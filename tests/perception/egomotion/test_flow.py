@@ -9,8 +9,8 @@ import pytest
 from driver_settings import FULL_FRAME
 from driver_settings import ROBUST as VARIANT
 
-from vpf_sim.perception.egomotion.config import FlowConfig
 from vpf_sim.perception.egomotion.corners import structure_tensor
+from vpf_sim.perception.egomotion.egomotion_settings import FlowConfig
 from vpf_sim.perception.egomotion.flow import FlowTracker, grey
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Flow, Image

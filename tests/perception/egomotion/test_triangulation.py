@@ -5,7 +5,7 @@ import pytest
 from tracked_points import CAMERA, RATE_HZ, Drive
 
 from vpf_sim.geometry import vehicle_from_world
-from vpf_sim.perception.egomotion.config import NoiseModel
+from vpf_sim.perception.egomotion.egomotion_settings import NoiseModel
 from vpf_sim.perception.egomotion.triangulation import information, triangulate
 from vpf_sim.seeding import stream
 from vpf_sim.types import Flow

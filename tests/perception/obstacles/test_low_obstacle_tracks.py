@@ -8,8 +8,8 @@ import pytest
 from driver_settings import static_obstacles
 
 from vpf_sim.geometry import vehicle_from_world
-from vpf_sim.perception.obstacles.planar_parallax.config import LowTrackConfig
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation
+from vpf_sim.perception.obstacles.planar_parallax.low_obstacle_settings import LowTrackConfig
 from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks
 from vpf_sim.seeding import stream
 from vpf_sim.types import Obstacles

@@ -5,7 +5,7 @@ import pytest
 from driver_settings import moving_obstacles, without
 
 from vpf_sim.perception.obstacles.moving.extent import Sides
-from vpf_sim.perception.obstacles.moving.filter_config import ExtentConfig
+from vpf_sim.perception.obstacles.moving.moving_obstacle_settings import ExtentConfig
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats
 

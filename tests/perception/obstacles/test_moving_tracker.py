@@ -8,11 +8,11 @@ from driver_settings import moving_obstacles, optional_sections, without
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, Traffic, body, road_points, tracker
 
 from vpf_sim.geometry import vehicle_from_world
-from vpf_sim.perception.egomotion.config import NoiseModel
-from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
+from vpf_sim.perception.egomotion.egomotion_settings import NoiseModel
 from vpf_sim.perception.obstacles.moving.detection import measure
 from vpf_sim.perception.obstacles.moving.merging import merged
 from vpf_sim.perception.obstacles.moving.moving_frame import Course, against
+from vpf_sim.perception.obstacles.moving.moving_obstacle_settings import MovingObstacleConfig
 from vpf_sim.perception.obstacles.moving.track import Detection, MovingTrack
 from vpf_sim.perception.obstacles.moving.tracker import MovingObstacleTracker
 from vpf_sim.seeding import stream

@@ -7,11 +7,11 @@ from driver_settings import optional_sections, static_obstacles, without
 from plated_road import CAMERA, PLATE_M, frame
 
 from vpf_sim.geometry import rotation
-from vpf_sim.perception.obstacles.planar_parallax.config import ParallaxConfig
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation, PlanarParallax
+from vpf_sim.perception.obstacles.planar_parallax.low_obstacle_settings import ParallaxConfig
 from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks
-from vpf_sim.perception.road.config import OcclusionConfig
 from vpf_sim.perception.road.occlusion import footprints
+from vpf_sim.perception.road.road_settings import OcclusionConfig
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Image, Obstacles, RoadEdges
 

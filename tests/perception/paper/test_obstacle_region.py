@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vpf_sim.perception.paper.config import RegionConfig
 from vpf_sim.perception.paper.obstacle_region import Surroundings, inside
+from vpf_sim.perception.paper.paper_settings import RegionConfig
 from vpf_sim.planning.variant import load
 from vpf_sim.types import Camera, Floats, RoadEdges
 

@@ -8,8 +8,8 @@ import pytest
 from driver_settings import ROBUST
 from road_picture import RoadPicture
 
-from vpf_sim.perception.road.config import RoadEdgeConfig
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
+from vpf_sim.perception.road.road_settings import RoadEdgeConfig
 from vpf_sim.replay import lane_height
 from vpf_sim.replay.open_loop_driver import ANY_ROAD
 from vpf_sim.replay.recording import Frame

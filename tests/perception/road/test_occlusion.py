@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from vpf_sim.geometry import rotation
-from vpf_sim.perception.road.config import OcclusionConfig
 from vpf_sim.perception.road.occlusion import footprints, shadow
+from vpf_sim.perception.road.road_settings import OcclusionConfig
 from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges
 
 CONFIG = OcclusionConfig()

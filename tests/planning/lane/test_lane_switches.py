@@ -11,7 +11,7 @@ from lane_planner import ROBUST, SPEED_MPS
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.planning import variant
-from vpf_sim.planning.lane.config import LanePlannerConfig
+from vpf_sim.planning.lane.lane_settings import LanePlannerConfig
 from vpf_sim.planning.lane.planner import LanePlanner
 from vpf_sim.types import Camera, DriverSetup
 

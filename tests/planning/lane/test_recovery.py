@@ -12,8 +12,8 @@ from lane_planner import CAR, HALF_M, RECOVERY, ROBUST, SETUP, recovery, unwrap
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.geometry import wrap_angle
-from vpf_sim.planning.lane.config import LanePlannerConfig
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles, place
+from vpf_sim.planning.lane.lane_settings import LanePlannerConfig
 from vpf_sim.planning.lane.planner import LanePlanner
 from vpf_sim.planning.lane.recovery import Recovery
 from vpf_sim.planning.lane.recovery_candidates import STEP_M, Blockers, candidates, separation

@@ -16,7 +16,7 @@ from math import exp
 import cv2
 import numpy as np
 
-from vpf_sim.perception.egomotion.config import DynamicPitchConfig, PitchConfig
+from vpf_sim.perception.egomotion.egomotion_settings import DynamicPitchConfig, PitchConfig
 from vpf_sim.perception.egomotion.focus_fit import NEAR_PX
 from vpf_sim.perception.egomotion.focus_of_expansion import Derotated, derotated
 from vpf_sim.perception.egomotion.mount_pitch import MountPitch

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.geometry import undistort
-from vpf_sim.perception.egomotion.config import Band, FlowConfig, SettledPointConfig, WiperConfig
 from vpf_sim.perception.egomotion.corners import inverse, is_corner, structure_tensor
+from vpf_sim.perception.egomotion.egomotion_settings import Band, FlowConfig, SettledPointConfig, WiperConfig
 from vpf_sim.perception.egomotion.ground_plane import ground_flow
 from vpf_sim.perception.egomotion.tracks import Tracks
 from vpf_sim.perception.egomotion.windscreen_points import stuck

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.perception.egomotion.config import FocusFitConfig, RansacConfig
+from vpf_sim.perception.egomotion.egomotion_settings import FocusFitConfig, RansacConfig
 from vpf_sim.types import Bools, Camera, Floats
 
 Reals = NDArray[np.floating[Any]]

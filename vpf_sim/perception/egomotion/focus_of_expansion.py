@@ -7,7 +7,7 @@ from math import inf, sqrt
 import numpy as np
 
 from vpf_sim.geometry import rotation_flow, straight_ahead_px
-from vpf_sim.perception.egomotion.config import ExpansionConfig, FocusFitConfig, TemporalPriorConfig
+from vpf_sim.perception.egomotion.egomotion_settings import ExpansionConfig, FocusFitConfig, TemporalPriorConfig
 from vpf_sim.perception.egomotion.focus_fit import Prior, fit
 from vpf_sim.types import Camera, Expansion, Floats, Flow
 

@@ -7,7 +7,7 @@ for a good mounting: hard rain feigns up to 0.03 deg at first.
 
 from math import sqrt
 
-from vpf_sim.perception.egomotion.config import MountPitchConfig
+from vpf_sim.perception.egomotion.egomotion_settings import MountPitchConfig
 
 
 class MountPitch:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from math import atan, cos, exp, sin, sqrt, tan
 
 from vpf_sim.geometry import wrap_angle
-from vpf_sim.perception.egomotion.config import OdometryConfig
+from vpf_sim.perception.egomotion.egomotion_settings import OdometryConfig
 from vpf_sim.types import Observation, VehicleModel
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vpf_sim.perception.egomotion.config import NoiseModel
+from vpf_sim.perception.egomotion.egomotion_settings import NoiseModel
 from vpf_sim.perception.egomotion.ground_plane import relative_pose
 from vpf_sim.types import Camera, Floats, Flow
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from vpf_sim.geometry import horizon_px, rotation_flow
-from vpf_sim.perception.egomotion.config import WindscreenPointConfig
+from vpf_sim.perception.egomotion.egomotion_settings import WindscreenPointConfig
 from vpf_sim.perception.egomotion.ground_plane import ground_flow
 from vpf_sim.types import Bools, Camera, Floats
 

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse.csgraph import connected_components
 
 from vpf_sim.configuration import setting, settings
-from vpf_sim.perception.egomotion.config import NoiseModel
+from vpf_sim.perception.egomotion.egomotion_settings import NoiseModel
 from vpf_sim.perception.egomotion.ground_plane import relative_pose
 from vpf_sim.perception.egomotion.triangulation import information
 from vpf_sim.perception.obstacles.moving.moving_frame import rays

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from vpf_sim.perception.obstacles.config import FragmentConfig, SharpestConfig, SplitConfig
+from vpf_sim.perception.obstacles.static_obstacle_settings import FragmentConfig, SharpestConfig, SplitConfig
 from vpf_sim.perception.road.geometry import direction_rad
 from vpf_sim.types import Bools, Floats, Integers, RoadEdges
 

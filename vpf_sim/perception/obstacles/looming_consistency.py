@@ -11,8 +11,8 @@ from collections import deque
 import numpy as np
 
 from vpf_sim.geometry import distance_m
-from vpf_sim.perception.obstacles.config import LoomingConsistencyConfig
 from vpf_sim.perception.obstacles.point_hypotheses import among, followed, frames, matches
+from vpf_sim.perception.obstacles.static_obstacle_settings import LoomingConsistencyConfig
 from vpf_sim.types import Bools, Floats, Flow, Integers
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from vpf_sim.perception.egomotion.triangulation import Triangulation
-from vpf_sim.perception.obstacles.config import LowObstacleConfig, NearbyConfig
+from vpf_sim.perception.obstacles.static_obstacle_settings import LowObstacleConfig, NearbyConfig
 from vpf_sim.perception.road.geometry import carriageway_offsets
 from vpf_sim.types import Bools, Camera, Floats, Integers, Obstacles, RoadEdges
 

@@ -8,7 +8,6 @@ import numpy as np
 from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.obstacles import extent
 from vpf_sim.perception.obstacles.clustering import clusters, split
-from vpf_sim.perception.obstacles.config import LowObstacleConfig, StaticObstacleConfig
 from vpf_sim.perception.obstacles.extent import ObstaclePoints
 from vpf_sim.perception.obstacles.low_obstacles import (
     belongs_to,
@@ -21,6 +20,7 @@ from vpf_sim.perception.obstacles.low_obstacles import (
 )
 from vpf_sim.perception.obstacles.point_hypotheses import PointHypotheses, among
 from vpf_sim.perception.obstacles.prediction import none
+from vpf_sim.perception.obstacles.static_obstacle_settings import LowObstacleConfig, StaticObstacleConfig
 from vpf_sim.types import Bools, Camera, Floats, Integers, Obstacles, RoadEdges
 
 NONE: Integers = np.empty(0, np.int64)

@@ -8,7 +8,7 @@ so it seems to hang at the height h u / (v + u), with the camera at h. What stan
 import numpy as np
 
 from vpf_sim.perception.egomotion.triangulation import Triangulation
-from vpf_sim.perception.obstacles.config import OncomingConfig, StaticObstacleConfig
+from vpf_sim.perception.obstacles.static_obstacle_settings import OncomingConfig, StaticObstacleConfig
 from vpf_sim.perception.road.geometry import carriageway_offsets
 from vpf_sim.types import Bools, Camera, Floats, Integers, RoadEdges
 

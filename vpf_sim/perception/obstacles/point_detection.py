@@ -6,11 +6,11 @@ from vpf_sim.geometry import ground_from_pixels, world_from_vehicle
 from vpf_sim.perception.egomotion.corners import eigenvalues, is_corner
 from vpf_sim.perception.egomotion.ground_plane import below_horizon, past_image
 from vpf_sim.perception.egomotion.triangulation import Triangulation
-from vpf_sim.perception.obstacles.config import StaticObstacleConfig
 from vpf_sim.perception.obstacles.looming_consistency import LoomingConsistency
 from vpf_sim.perception.obstacles.low_obstacles import is_low, off_lines
 from vpf_sim.perception.obstacles.oncoming import come_towards
 from vpf_sim.perception.obstacles.point_hypotheses import PointObservations, frames
+from vpf_sim.perception.obstacles.static_obstacle_settings import StaticObstacleConfig
 from vpf_sim.perception.road.geometry import carriageway_offsets
 from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, RoadEdges
 

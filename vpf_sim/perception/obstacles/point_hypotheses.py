@@ -4,7 +4,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from vpf_sim.perception.obstacles.config import StaticObstacleConfig
+from vpf_sim.perception.obstacles.static_obstacle_settings import StaticObstacleConfig
 from vpf_sim.types import Bools, Floats, Flow, Integers
 
 

@@ -7,13 +7,13 @@ import numpy as np
 
 from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.egomotion.triangulation import Triangulation, triangulate
-from vpf_sim.perception.obstacles.config import StaticObstacleConfig
 from vpf_sim.perception.obstacles.obstacle_clusters import NONE, ObstacleClusters
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation, PlanarParallax
 from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks
 from vpf_sim.perception.obstacles.point_detection import PointDetector
 from vpf_sim.perception.obstacles.point_hypotheses import PointHypotheses, among, followed
 from vpf_sim.perception.obstacles.prediction import none, to_current_frame
+from vpf_sim.perception.obstacles.static_obstacle_settings import StaticObstacleConfig
 from vpf_sim.perception.obstacles.track_refinement import Match, candidates, refined
 from vpf_sim.perception.road.geometry import carriageway_offsets
 from vpf_sim.perception.road.occlusion import footprints

@@ -12,7 +12,7 @@ import numpy as np
 
 from vpf_sim.perception.egomotion.ground_plane import below_horizon
 from vpf_sim.perception.egomotion.triangulation import Triangulation
-from vpf_sim.perception.obstacles.config import RefinementConfig
+from vpf_sim.perception.obstacles.static_obstacle_settings import RefinementConfig
 from vpf_sim.perception.road.geometry import carriageway_offsets
 from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, RoadEdges
 

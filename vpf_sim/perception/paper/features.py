@@ -5,8 +5,8 @@ from functools import cached_property
 
 from vpf_sim.perception.egomotion.focus_of_expansion import Derotated
 from vpf_sim.perception.paper import obstacle_map, time_to_contact
-from vpf_sim.perception.paper.config import ContactConfig, ObstacleMapConfig
 from vpf_sim.perception.paper.obstacle_region import Surroundings
+from vpf_sim.perception.paper.paper_settings import ContactConfig, ObstacleMapConfig
 from vpf_sim.types import Camera, Expansion, Floats, Flow, ObstacleMap, RoadEdges
 
 

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from vpf_sim.geometry import horizon_px
 from vpf_sim.perception.egomotion.ground_plane import ground_flow
-from vpf_sim.perception.paper.config import ObstacleMapConfig
 from vpf_sim.perception.paper.obstacle_region import Surroundings, inside
+from vpf_sim.perception.paper.paper_settings import ObstacleMapConfig
 from vpf_sim.types import Bools, Camera, Floats, Flow, ObstacleMap
 
 

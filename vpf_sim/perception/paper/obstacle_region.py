@@ -9,7 +9,7 @@ from math import tan
 
 import numpy as np
 
-from vpf_sim.perception.paper.config import RegionConfig
+from vpf_sim.perception.paper.paper_settings import RegionConfig
 from vpf_sim.types import Bools, Camera, Floats, RoadEdges
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.perception.egomotion.focus_of_expansion import Derotated, derotate, derotated
-from vpf_sim.perception.paper.config import ContactConfig
+from vpf_sim.perception.paper.paper_settings import ContactConfig
 from vpf_sim.types import Camera, Expansion, Floats, Flow
 
 Labels = NDArray[np.int64]

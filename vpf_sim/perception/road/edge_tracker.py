@@ -4,11 +4,11 @@ import numpy as np
 
 from vpf_sim.geometry import rotation, wrap_angle
 from vpf_sim.perception.road.birds_eye import BirdsEye
-from vpf_sim.perception.road.config import RoadEdgeConfig
 from vpf_sim.perception.road.hypotheses import CarriagewayHypotheses
 from vpf_sim.perception.road.line_matcher import LineMatcher
 from vpf_sim.perception.road.markings import RidgeMap, comb
 from vpf_sim.perception.road.model import PITCH, WIDTH, curvature_ahead, state_of
+from vpf_sim.perception.road.road_settings import RoadEdgeConfig
 from vpf_sim.perception.road.state_filter import LaneFilter
 from vpf_sim.perception.schedule import Schedule
 from vpf_sim.types import Camera, Floats, Image, Obstacles, RoadEdges

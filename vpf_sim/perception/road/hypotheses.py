@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from vpf_sim.perception.road.birds_eye import BirdsEye
-from vpf_sim.perception.road.config import GroundConfig, HypothesesConfig
 from vpf_sim.perception.road.markings import RidgeMap, sight
 from vpf_sim.perception.road.model import WIDTH, seen_places
+from vpf_sim.perception.road.road_settings import GroundConfig, HypothesesConfig
 from vpf_sim.types import Bools, Floats, Image, Integers
 
 MOST_LANES, MOST_ONCOMING = 6, 2

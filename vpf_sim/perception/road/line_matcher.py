@@ -7,10 +7,10 @@ import cv2
 import numpy as np
 
 from vpf_sim.perception.road.birds_eye import BirdsEye, ridge
-from vpf_sim.perception.road.config import RoadEdgeConfig
 from vpf_sim.perception.road.markings import RidgeMap, noise_threshold, sight
 from vpf_sim.perception.road.model import seen_places
 from vpf_sim.perception.road.obstacle_mask import hidden_by
+from vpf_sim.perception.road.road_settings import RoadEdgeConfig
 from vpf_sim.perception.road.state_filter import LaneFilter, Sightings, initial_covariance
 from vpf_sim.types import Camera, Floats, Image, Obstacles
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from vpf_sim.perception.quantiles import quantile
 from vpf_sim.perception.road.birds_eye import BirdsEye
-from vpf_sim.perception.road.config import CombConfig
+from vpf_sim.perception.road.road_settings import CombConfig
 from vpf_sim.types import Bools, Floats, Image, Integers, Singles
 
 

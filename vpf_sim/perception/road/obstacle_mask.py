@@ -4,8 +4,8 @@ import numpy as np
 
 from vpf_sim.perception.object_sizes import ObjectSizes
 from vpf_sim.perception.road.birds_eye import BirdsEye
-from vpf_sim.perception.road.config import ObstacleMaskConfig
 from vpf_sim.perception.road.model import rows_seen
+from vpf_sim.perception.road.road_settings import ObstacleMaskConfig
 from vpf_sim.types import Bools, Obstacles
 
 

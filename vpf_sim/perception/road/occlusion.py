@@ -3,8 +3,8 @@
 import cv2
 import numpy as np
 
-from vpf_sim.perception.road.config import OcclusionConfig
 from vpf_sim.perception.road.geometry import direction_rad
+from vpf_sim.perception.road.road_settings import OcclusionConfig
 from vpf_sim.types import Floats, Obstacles, RoadEdges
 
 FAR_M = 40.0  # from the camera, up to which a body hides the road

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vpf_sim.perception.road.config import NeighbourTestConfig, RoadFilterConfig
 from vpf_sim.perception.road.model import CURVATURES, NODES_M, PITCH, moved, seen_lines, seen_places
+from vpf_sim.perception.road.road_settings import NeighbourTestConfig, RoadFilterConfig
 from vpf_sim.types import Bools, Camera, Floats
 
 

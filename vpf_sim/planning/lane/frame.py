@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from vpf_sim.planning.lane.config import PartsConfig
+from vpf_sim.planning.lane.lane_settings import PartsConfig
 from vpf_sim.types import Bools, Floats, LateralExtents, Obstacles, RoadEdges
 
 PART_DOUBLINGS = 2  # a truck's side is detected in up to four parts

@@ -15,8 +15,8 @@ from math import inf, sin, tan
 
 import numpy as np
 
-from vpf_sim.planning.lane.config import LanePlannerConfig
 from vpf_sim.planning.lane.frame import Lane
+from vpf_sim.planning.lane.lane_settings import LanePlannerConfig
 from vpf_sim.planning.lane.steering_unwind import rest
 from vpf_sim.types import Bools, Floats, VehicleModel
 

@@ -17,9 +17,9 @@ For a constant S that is a filter of third order; after a step D it is done in 1
 
 from math import copysign, inf, sqrt
 
-from vpf_sim.planning.lane.config import PathConfig
 from vpf_sim.planning.lane.frame import Lane
 from vpf_sim.planning.lane.kinematic_limits import PEAK_SPEED, KinematicLimits, Limits
+from vpf_sim.planning.lane.lane_settings import PathConfig
 
 STEEPEST = 0.95  # slope, whatever the bend was before: at a speed that jumps one step may be many metres long
 

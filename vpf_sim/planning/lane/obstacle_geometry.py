@@ -5,8 +5,8 @@ from math import inf, sqrt, tan
 
 import numpy as np
 
-from vpf_sim.planning.lane.config import LanePlannerConfig
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
+from vpf_sim.planning.lane.lane_settings import LanePlannerConfig
 from vpf_sim.types import Bools, DriverSetup, Floats
 
 FREE_M = 1e-6  # an obstacle does not occupy its own side

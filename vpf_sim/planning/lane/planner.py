@@ -5,9 +5,9 @@ from math import inf
 
 import numpy as np
 
-from vpf_sim.planning.lane.config import LanePlannerConfig
 from vpf_sim.planning.lane.frame import NOTHING, Lane, LaneObstacles, locate, place
 from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
+from vpf_sim.planning.lane.lane_settings import LanePlannerConfig
 from vpf_sim.planning.lane.lateral_cost import CostProfile, LateralCost
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.recovery import Recovery

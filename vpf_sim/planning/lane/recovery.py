@@ -13,9 +13,9 @@ from math import asin, atan, ceil, cos, sin, tan
 import numpy as np
 
 from vpf_sim.geometry import vehicle_from_world, wrap_angle
-from vpf_sim.planning.lane.config import LanePlannerConfig
 from vpf_sim.planning.lane.frame import Lane, locate, place
 from vpf_sim.planning.lane.kinematic_limits import rear_m
+from vpf_sim.planning.lane.lane_settings import LanePlannerConfig
 from vpf_sim.planning.lane.recovery_candidates import STEP_M, Blockers, Candidates, candidates, separation
 from vpf_sim.planning.lane.recovery_config import RecoveryConfig
 from vpf_sim.planning.lane.speed.creep import STANDING_MPS

@@ -15,9 +15,9 @@ from math import asin, exp, sqrt
 import numpy as np
 
 from vpf_sim.geometry import wrap_angle
-from vpf_sim.planning.lane.config import LanePlannerConfig, PathConfig, WaitConfig
 from vpf_sim.planning.lane.frame import Lane
 from vpf_sim.planning.lane.kinematic_limits import KinematicLimits, rear_m
+from vpf_sim.planning.lane.lane_settings import LanePlannerConfig, PathConfig, WaitConfig
 from vpf_sim.planning.lane.lateral_path import LateralPath
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.speed.limits import SpeedLimits

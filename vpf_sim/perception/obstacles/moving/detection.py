@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vpf_sim.perception.egomotion.triangulation import Triangulation
-from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
+from vpf_sim.perception.obstacles.moving.moving_obstacle_settings import MovingObstacleConfig
 from vpf_sim.perception.obstacles.moving.track import Detection
 from vpf_sim.perception.quantiles import median
 from vpf_sim.types import Bools, Camera, Floats, Flow, Integers

@@ -6,7 +6,7 @@ stands on a wet road differs by its contrast (`moving.mirror`).
 
 import numpy as np
 
-from vpf_sim.perception.obstacles.moving.config import EvidenceConfig
+from vpf_sim.perception.obstacles.moving.moving_obstacle_settings import EvidenceConfig
 from vpf_sim.perception.quantiles import quantile
 from vpf_sim.types import Bools, Floats
 

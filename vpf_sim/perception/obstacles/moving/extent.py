@@ -9,7 +9,7 @@ Stochastic Models, Estimation, and Control 2, 1982, ch. 12).
 
 import numpy as np
 
-from vpf_sim.perception.obstacles.moving.filter_config import ExtentConfig
+from vpf_sim.perception.obstacles.moving.moving_obstacle_settings import ExtentConfig
 from vpf_sim.types import Floats
 
 WIDTHS = 4  # hypotheses

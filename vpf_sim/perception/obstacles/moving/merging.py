@@ -3,7 +3,7 @@
 import numpy as np
 
 from vpf_sim.geometry import rotation
-from vpf_sim.perception.obstacles.moving.config import MergingConfig, MovingObstacleConfig
+from vpf_sim.perception.obstacles.moving.moving_obstacle_settings import MergingConfig, MovingObstacleConfig
 from vpf_sim.perception.obstacles.moving.track import MovingTrack
 from vpf_sim.types import Floats
 

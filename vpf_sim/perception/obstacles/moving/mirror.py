@@ -9,13 +9,13 @@ from math import exp
 
 import numpy as np
 
-from vpf_sim.perception.obstacles.moving.config import (
+from vpf_sim.perception.obstacles.moving.detection import MeasuredPoints
+from vpf_sim.perception.obstacles.moving.moving_obstacle_settings import (
     ContrastConfig,
     MirrorImageConfig,
     MovingObstacleConfig,
     ReflectivityConfig,
 )
-from vpf_sim.perception.obstacles.moving.detection import MeasuredPoints
 from vpf_sim.perception.obstacles.moving.place import is_on_carriageway
 from vpf_sim.perception.obstacles.moving.track import MovingTrack
 from vpf_sim.perception.quantiles import median

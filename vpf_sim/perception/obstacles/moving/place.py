@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
 from vpf_sim.perception.obstacles.moving.detection import MeasuredPoints
+from vpf_sim.perception.obstacles.moving.moving_obstacle_settings import MovingObstacleConfig
 from vpf_sim.perception.obstacles.moving.track import MovingTrack
 from vpf_sim.perception.road.geometry import carriageway_offsets
 from vpf_sim.types import Bools, Camera, Floats, RoadEdges

@@ -8,8 +8,8 @@ import numpy as np
 from vpf_sim.geometry import rotation, vehicle_from_world, world_from_vehicle
 from vpf_sim.perception.egomotion.corners import inverse
 from vpf_sim.perception.obstacles.moving.extent import Sides
-from vpf_sim.perception.obstacles.moving.filter_config import FilterConfig
 from vpf_sim.perception.obstacles.moving.moving_frame import Course, Residuals
+from vpf_sim.perception.obstacles.moving.moving_obstacle_settings import FilterConfig
 from vpf_sim.perception.obstacles.point_hypotheses import among
 from vpf_sim.types import Bools, Camera, Floats, Flow, LateralExtent
 

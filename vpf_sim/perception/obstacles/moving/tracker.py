@@ -18,14 +18,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vpf_sim.perception.egomotion.config import NoiseModel
+from vpf_sim.perception.egomotion.egomotion_settings import NoiseModel
 from vpf_sim.perception.egomotion.triangulation import Triangulation
-from vpf_sim.perception.obstacles.moving.config import MovingObstacleConfig
 from vpf_sim.perception.obstacles.moving.detection import MeasuredPoints, candidates, detect, measure
 from vpf_sim.perception.obstacles.moving.evidence import evidence
 from vpf_sim.perception.obstacles.moving.merging import merged
 from vpf_sim.perception.obstacles.moving.mirror import MirrorImages
 from vpf_sim.perception.obstacles.moving.moving_frame import against
+from vpf_sim.perception.obstacles.moving.moving_obstacle_settings import MovingObstacleConfig
 from vpf_sim.perception.obstacles.moving.place import in_outline
 from vpf_sim.perception.obstacles.moving.track import Detection, MovingTrack
 from vpf_sim.perception.obstacles.point_hypotheses import among

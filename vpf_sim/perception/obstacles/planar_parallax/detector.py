@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.geometry import distance_m, rotation, vehicle_from_world, world_from_vehicle
-from vpf_sim.perception.obstacles.planar_parallax.config import ParallaxConfig, odd_cells
+from vpf_sim.perception.obstacles.planar_parallax.low_obstacle_settings import ParallaxConfig, odd_cells
 from vpf_sim.perception.obstacles.planar_parallax.sensing_range import SensingRange
 from vpf_sim.perception.obstacles.planar_parallax.temporal_average import TemporalAverage
 from vpf_sim.perception.quantiles import quantile

@@ -8,7 +8,7 @@ of observations that detect it.
 
 import numpy as np
 
-from vpf_sim.perception.obstacles.planar_parallax.config import SensingRangeConfig
+from vpf_sim.perception.obstacles.planar_parallax.low_obstacle_settings import SensingRangeConfig
 from vpf_sim.types import Floats
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from vpf_sim.geometry import distance_m, vehicle_from_world, world_from_vehicle
-from vpf_sim.perception.obstacles.planar_parallax.config import LowTrackConfig
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation
+from vpf_sim.perception.obstacles.planar_parallax.low_obstacle_settings import LowTrackConfig
 from vpf_sim.types import Floats, Obstacles
 
 

@@ -7,7 +7,7 @@ limited: its user has chosen not to stop for low obstacles.
 
 from math import inf, isinf
 
-from vpf_sim.planning.lane.config import BrakingConfig, ClearDistanceConfig
+from vpf_sim.planning.lane.lane_settings import BrakingConfig, ClearDistanceConfig
 from vpf_sim.planning.lane.stopping_distance import stopping_speed
 from vpf_sim.types import DriverSetup, LowObstacleRange
 

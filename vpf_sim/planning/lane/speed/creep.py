@@ -6,7 +6,7 @@ reach, creeps to the standoff, and only then to the closest standoff.
 
 from math import inf
 
-from vpf_sim.planning.lane.config import LanePlannerConfig
+from vpf_sim.planning.lane.lane_settings import LanePlannerConfig
 from vpf_sim.types import DriverSetup
 
 STANDING_MPS = 0.1

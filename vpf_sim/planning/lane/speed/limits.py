@@ -5,9 +5,9 @@ from math import inf, sqrt, tan
 import numpy as np
 
 from vpf_sim.braking import comfortable_speed, hard_excess
-from vpf_sim.planning.lane.config import LanePlannerConfig, LookConfig, SpeedConfig
 from vpf_sim.planning.lane.frame import Lane
 from vpf_sim.planning.lane.kinematic_limits import SPEEDS_MPS, KinematicLimits
+from vpf_sim.planning.lane.lane_settings import LanePlannerConfig, LookConfig, SpeedConfig
 from vpf_sim.planning.lane.lateral_path import LateralPath
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.speed.creep import Creep

@@ -1,9 +1,9 @@
 """Settings of static obstacles and the collision alarm. A section that may be None can be switched off."""
 
 from vpf_sim.configuration import setting, settings
-from vpf_sim.perception.egomotion.config import NoiseModel
-from vpf_sim.perception.obstacles.planar_parallax.config import LowTrackConfig, ParallaxConfig
-from vpf_sim.perception.road.config import OcclusionConfig
+from vpf_sim.perception.egomotion.egomotion_settings import NoiseModel
+from vpf_sim.perception.obstacles.planar_parallax.low_obstacle_settings import LowTrackConfig, ParallaxConfig
+from vpf_sim.perception.road.road_settings import OcclusionConfig
 
 
 @settings
