@@ -29,9 +29,10 @@ from vpf_sim import configuration
 from vpf_sim.braking import hard_excess
 from vpf_sim.configuration import setting, settings
 from vpf_sim.controllers.super_twisting import SuperTwisting
+from vpf_sim.driver_interface import Command, Observation
 from vpf_sim.errors import unknown_name
 from vpf_sim.geometry import wrap_angle
-from vpf_sim.types import Command, Observation, Reference, VehicleModel
+from vpf_sim.types import Reference, VehicleModel
 
 
 class ChangeLimit:

@@ -15,8 +15,8 @@ from highway_env.vehicle.behavior import IDMVehicle
 
 from vpf_sim import configuration
 from vpf_sim.configuration import setting, settings
+from vpf_sim.driver_interface import Command, DriverSetup, Observation
 from vpf_sim.seeding import stream
-from vpf_sim.types import Command, DriverSetup, Observation
 
 
 @settings

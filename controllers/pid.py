@@ -12,8 +12,9 @@ import numpy as np
 
 from vpf_sim import configuration
 from vpf_sim.configuration import setting, settings
+from vpf_sim.driver_interface import Command, Observation
 from vpf_sim.geometry import wrap_angle
-from vpf_sim.types import Command, Floats, Observation
+from vpf_sim.types import Floats
 
 
 @settings

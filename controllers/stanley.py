@@ -16,8 +16,9 @@ from math import atan2, cos, sin
 from vpf_sim import configuration
 from vpf_sim.configuration import setting, settings
 from vpf_sim.controllers.polyline import Polyline
+from vpf_sim.driver_interface import Observation
 from vpf_sim.geometry import wrap_angle
-from vpf_sim.types import Floats, Observation, VehicleModel
+from vpf_sim.types import Floats, VehicleModel
 
 
 @settings

@@ -12,6 +12,7 @@ from highway_env.road.road import Road
 from numpy.typing import NDArray
 
 from vpf_sim import scenarios
+from vpf_sim.driver_interface import Turn
 from vpf_sim.envs import camera as cameras
 from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.camera import weather as weathers
@@ -25,7 +26,7 @@ from vpf_sim.errors import InputError, refuse_options, refuse_unknown, unknown_n
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.scenarios import AnyScenario, HighwayScenario
 from vpf_sim.timing import timed
-from vpf_sim.types import Camera, Floats, Image, Turn, VehicleModel
+from vpf_sim.types import Camera, Floats, Image, VehicleModel
 from vpf_sim.window import Window
 
 RATES_HZ = (60.0, 20.0)

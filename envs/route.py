@@ -13,11 +13,12 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from highway_env.road.road import LaneIndex
 
+from vpf_sim.driver_interface import Turn
 from vpf_sim.envs.centre_line import ReferenceLine
 from vpf_sim.envs.contacts import Point
 from vpf_sim.scenarios import Scenario
 from vpf_sim.scenarios.lane_places import LanePlaces
-from vpf_sim.types import Floats, Turn
+from vpf_sim.types import Floats
 
 BEYOND_GOAL_M = 40.0
 SPACING_M = 1.0

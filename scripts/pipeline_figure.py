@@ -5,11 +5,12 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from xml.sax.saxutils import escape
 
+from vpf_sim.driver_interface import DriverSetup
 from vpf_sim.drivers.paper_pipeline import FEEDBACK, INPUTS
 from vpf_sim.drivers.perceiver import Perceiver
 from vpf_sim.pipeline import Stage
 from vpf_sim.planning import variant
-from vpf_sim.types import Camera, DriverSetup, VehicleModel
+from vpf_sim.types import Camera, VehicleModel
 
 PICTURE = Path(__file__).parents[1] / "docs" / "pictures" / "pipeline.svg"
 SETUP = DriverSetup(Camera(), VehicleModel(), 60.0, 5.55, (100.0, 0.0), seed=0)

@@ -14,6 +14,7 @@ FOLDERS = {"vpf_sim": "vpf_sim", "envs": "vpf_sim.envs", "controllers": "vpf_sim
 FOLDERS["scenarios"] = "vpf_sim.scenarios"
 LEAVES = {
     "types",
+    "driver_interface",
     "geometry",
     "errors",
     "braking",

@@ -31,7 +31,7 @@ s_m = {GOAL_M}
 """
 DRIVERS = """import os, random, sys, warnings
 import cv2, numpy as np
-from vpf_sim.types import Command
+from vpf_sim import Command
 
 
 class Restless:

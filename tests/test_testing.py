@@ -10,7 +10,7 @@ from short_scenario import write_short
 pytest_plugins = ["pytester"]
 PLUGIN = ("-p", "vpf_sim.testing", "-p", "no:cacheprovider")
 DRIVER = """
-from vpf_sim.types import Command
+from vpf_sim import Command
 
 class Straight:
     privileged = "none"

@@ -17,7 +17,7 @@ def test_every_name_is_there_and_documented(name: str) -> None:
 
 def test_an_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="module 'vpf_sim' has no attribute 'dirve'"):
-        vpf_sim.dirve  # noqa: B018
+        vpf_sim.dirve
 
 
 def test_listing_the_names_loads_none_of_them() -> None:
@@ -35,7 +35,15 @@ def test_a_function_stays_one_when_packages_are_imported() -> None:
 
 
 def test_the_records_are_those_of_the_drivers_themselves() -> None:
-    from vpf_sim import types
+    from vpf_sim import driver_interface
 
-    assert vpf_sim.Driver is types.Driver
-    assert vpf_sim.Observation is types.Observation
+    assert vpf_sim.Driver is driver_interface.Driver
+    assert vpf_sim.Observation is driver_interface.Observation
+
+
+def test_the_interface_of_drivers_is_found_where_it_stood_before() -> None:
+    from vpf_sim import driver_interface, types
+
+    assert types.Command is driver_interface.Command
+    with pytest.raises(AttributeError, match=r"'vpf_sim\.types' has no attribute 'Comand'"):
+        types.Comand

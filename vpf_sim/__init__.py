@@ -23,10 +23,11 @@ if TYPE_CHECKING:
     from vpf_sim.api.report import export, report
     from vpf_sim.api.run import Run
     from vpf_sim.api.sweep import sweep
+    from vpf_sim.driver_interface import Command, Driver, DriverSetup, Observation
     from vpf_sim.envs.camera.rig import Rig
     from vpf_sim.envs.observation import CameraObservation
     from vpf_sim.errors import InputError
-    from vpf_sim.types import Camera, Command, Driver, DriverSetup, Observation
+    from vpf_sim.types import Camera
 
 __version__ = "0.1.0"
 __all__ = [
@@ -49,12 +50,12 @@ __all__ = [
 _MODULES = {
     "Camera": "types",
     "CameraObservation": "envs.observation",
-    "Command": "types",
-    "Driver": "types",
-    "DriverSetup": "types",
+    "Command": "driver_interface",
+    "Driver": "driver_interface",
+    "DriverSetup": "driver_interface",
     "Episode": "api.drive",
     "InputError": "errors",
-    "Observation": "types",
+    "Observation": "driver_interface",
     "Rig": "envs.camera.rig",
     "Run": "api.run",
     "drive": "api.drive",

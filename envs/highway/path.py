@@ -17,10 +17,11 @@ import numpy as np
 from highway_env.road.lane import AbstractLane
 from highway_env.road.road import LaneIndex, RoadNetwork
 
+from vpf_sim.driver_interface import Turn
 from vpf_sim.envs.highway.lanes import SplineLine, Stretch
 from vpf_sim.envs.route import Fork
 from vpf_sim.geometry import wrap_angle
-from vpf_sim.types import Floats, Turn
+from vpf_sim.types import Floats
 
 STEP_M = 0.25  # between the points along a lane
 KNOT_M = 1.0  # between the points of the spline

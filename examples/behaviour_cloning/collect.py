@@ -12,13 +12,14 @@ import numpy as np
 
 from behaviour_cloning import scenes
 from behaviour_cloning.expert import Expert
+from vpf_sim.driver_interface import Command, Driver, Observation
 from vpf_sim.drivers.learned.driver import OnnxDriver, shrink, state_vector
 from vpf_sim.drivers.learned.manifest import Manifest
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.seeding import stream
 from vpf_sim.system import limit_opencv, limited_environment
-from vpf_sim.types import Command, Driver, Image, Observation, Singles
+from vpf_sim.types import Image, Singles
 
 TURN = (20, 120)  # decisions, before the wheel may pass to the other
 PUSH_SHARE, PUSH, PUSH_LENGTH = 0.03, 0.15, (6, 14)  # disturbances: how often one begins, steering, decisions

@@ -1,7 +1,7 @@
 """The expert that is cloned: drivers of the registry that know the route or the world."""
 
 from vpf_sim import drivers
-from vpf_sim.types import Command, Driver, DriverSetup, Observation, Privilege
+from vpf_sim.driver_interface import Command, Driver, DriverSetup, Observation, Privilege
 
 
 class Expert(Driver):

@@ -90,7 +90,7 @@ def test_drive_prints_one_json_object_and_its_exit_code_is_the_result(
 
 
 DRIVER = """
-from vpf_sim.types import Command
+from vpf_sim import Command
 
 class Broken:
     privileged = "none"

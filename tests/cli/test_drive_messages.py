@@ -106,7 +106,7 @@ def test_a_class_that_is_no_driver_is_refused_before_the_drive(
         ("TwoLines", "ValueError: first second", "of two lines"),
         ("Chained", "RuntimeError: no a", "chained"),
         ("Begins", "OSError: no weights", "at reset"),
-        ("Returns", "TypeError: driver: act: expected a vpf_sim.types.Command, got (0.0, 0.0)", "a tuple"),
+        ("Returns", "TypeError: driver: act: expected a vpf_sim.Command, got (0.0, 0.0)", "a tuple"),
         ("Nan", "ValueError: driver: Command: steering: expected a finite number, got nan", "nan"),
     ],
 )

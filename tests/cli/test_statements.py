@@ -17,7 +17,7 @@ from vpf_sim.evaluation.sweeps import cluster
 from vpf_sim.geometry import mounting_in_words
 
 README = (Path(__file__).parents[2] / "README.md").read_text("utf-8")
-DRIVERS = """from vpf_sim.types import Command
+DRIVERS = """from vpf_sim import Command
 
 
 class Good:
@@ -56,7 +56,7 @@ def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     ("name", "said"),
     [
         ("Divides", "frame 30: ZeroDivisionError"),
-        ("Tuple", "frame 0: TypeError: driver: act: expected a vpf_sim.types.Command, got \\(0.0, 0.0\\)"),
+        ("Tuple", "frame 0: TypeError: driver: act: expected a vpf_sim.Command, got \\(0.0, 0.0\\)"),
         ("Nan", "frame 0: ValueError: driver: Command: throttle: expected a finite number"),
         ("Unready", "reset: RuntimeError: no weights"),
     ],

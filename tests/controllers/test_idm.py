@@ -10,13 +10,14 @@ from highway_env.vehicle.behavior import IDMVehicle
 
 from vpf_sim import drivers
 from vpf_sim.controllers.idm import Gains, load_gains
+from vpf_sim.driver_interface import Driver, DriverSetup
 from vpf_sim.envs.actor import ACTORS
 from vpf_sim.envs.ego import Ego
 from vpf_sim.envs.road import build_road
 from vpf_sim.errors import InputError
 from vpf_sim.scenarios import Scenario, parse
 from vpf_sim.seeding import stream
-from vpf_sim.types import Camera, Driver, DriverSetup, Floats, VehicleModel
+from vpf_sim.types import Camera, Floats, VehicleModel
 
 ONE_LANE = (
     'schema = 1\n[road]\nlanes = 1\nsegments = [{kind = "line", length_m = 2000}]\n[ego]\nlane = 1\n[goal]\ns_m = 1900'

@@ -8,7 +8,8 @@ import pytest
 from bicycle import Bicycle
 
 from vpf_sim.controllers.gtsmc import RECOVERY_MPS2, Gains, Gtsmc, load_gains
-from vpf_sim.types import Command, Reference, VehicleModel
+from vpf_sim.driver_interface import Command
+from vpf_sim.types import Reference, VehicleModel
 
 CAR = VehicleModel()
 ROBUST = load_gains("robust")

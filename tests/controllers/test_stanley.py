@@ -8,7 +8,8 @@ from bicycle import Bicycle
 from test_polyline import circle
 
 from vpf_sim.controllers.stanley import Gains, Stanley, load_gains
-from vpf_sim.types import Command, Floats, VehicleModel
+from vpf_sim.driver_interface import Command
+from vpf_sim.types import Floats, VehicleModel
 
 MODEL = VehicleModel()
 GAINS = load_gains()

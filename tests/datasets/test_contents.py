@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from vpf_sim.datasets.episode import STATE, Contents, state_of
+from vpf_sim.driver_interface import Observation
 from vpf_sim.errors import InputError
-from vpf_sim.types import Observation
 
 NO_IMAGE = np.empty((0, 0, 3), np.uint8)
 

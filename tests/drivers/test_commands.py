@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from vpf_sim import drivers
-from vpf_sim.types import Command, Driver, Observation
+from vpf_sim.driver_interface import Command, Driver, Observation
 
 
 class Tensor:

@@ -6,10 +6,11 @@ import cv2
 import numpy as np
 import pytest
 
+from vpf_sim.driver_interface import DriverSetup, Observation
 from vpf_sim.drivers.dominant_plane import AGREEMENT_PX, DominantPlaneDriver, PlaneDetector, plane_motion, potential
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.geometry import ground_from_pixels, project
-from vpf_sim.types import Bools, Camera, DriverSetup, Floats, Image, Observation, VehicleModel
+from vpf_sim.types import Bools, Camera, Floats, Image, VehicleModel
 
 CAMERA = Camera()
 STEP_M = 0.28  # in a frame at 20 km/h and 20 Hz

@@ -9,11 +9,12 @@ import pytest
 from bicycle import Bicycle
 
 from vpf_sim import drivers
+from vpf_sim.driver_interface import Command, DriverSetup, Observation
 from vpf_sim.errors import InputError
-from vpf_sim.types import Camera, Command, DriverSetup, Floats, Observation, Plan, VehicleModel
+from vpf_sim.types import Camera, Floats, Plan, VehicleModel
 
 OWN = """
-from vpf_sim.types import Command
+from vpf_sim import Command
 
 class Own:
     privileged = "none"

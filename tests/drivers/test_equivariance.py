@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 from vpf_sim import drivers, scenarios
+from vpf_sim.driver_interface import DriverSetup, Observation
 from vpf_sim.drivers import command_of, trace_of
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.geometry import rotation, wrap_angle
 from vpf_sim.planning.lane.planner import LanePlan
-from vpf_sim.types import DriverSetup, Floats, Observation, Plan
+from vpf_sim.types import Floats, Plan
 
 FRAMES = 60
 PAST_A_CAR = """

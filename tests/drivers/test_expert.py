@@ -5,8 +5,9 @@ import pytest
 
 import vpf_sim
 from vpf_sim import drivers
+from vpf_sim.driver_interface import DriverSetup
 from vpf_sim.errors import InputError
-from vpf_sim.types import Camera, DriverSetup, VehicleModel
+from vpf_sim.types import Camera, VehicleModel
 
 
 @pytest.mark.parametrize("scenario", ["crossing", "roundabout-v0"])

@@ -8,9 +8,10 @@ import pytest
 from key_events import Person, axis, key
 
 from vpf_sim import drivers, window
+from vpf_sim.driver_interface import DriverSetup, Observation
 from vpf_sim.drivers.keyboard import DEAD_AXIS, MOST_LEFT_OUT, SIDEWARD_MPS2, Hands, KeyboardDriver
 from vpf_sim.errors import InputError
-from vpf_sim.types import Camera, DriverSetup, Observation, VehicleModel
+from vpf_sim.types import Camera, VehicleModel
 
 SETUP = DriverSetup(Camera(64, 48), VehicleModel(), 60.0, 5.55, (150.0, 0.0), 0)
 STEP_S = 1.0 / 60.0

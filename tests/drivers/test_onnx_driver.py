@@ -13,12 +13,13 @@ from short_scenario import write_short
 
 import vpf_sim
 from vpf_sim import cli, configuration, drivers
+from vpf_sim.driver_interface import DriverSetup, Observation
 from vpf_sim.drivers.learned.driver import OnnxDriver, shrink
 from vpf_sim.drivers.learned.manifest import Crop, Manifest, PictureInput
 from vpf_sim.envs.ego import MAX_SPEED_MPS, YAW_RATE_LIMIT_RADPS
 from vpf_sim.envs.learning import FourLanePixels
 from vpf_sim.policy_state import SPEED_SCALE_MPS, STATE, YAW_RATE_SCALE_RADPS, policy_state
-from vpf_sim.types import Camera, DriverSetup, Image, Observation, VehicleModel
+from vpf_sim.types import Camera, Image, VehicleModel
 
 SETUP = DriverSetup(Camera(), VehicleModel(), 60.0, 5.55, (150.0, 0.0), 0)
 NO_STATE = MANIFEST.partition("[state]")[0]

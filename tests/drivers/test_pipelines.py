@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
+from vpf_sim.driver_interface import Command, DriverSetup, Observation
 from vpf_sim.drivers.paper_pipeline import FrameTrackers
 from vpf_sim.drivers.perceiver import Perceiver
 from vpf_sim.geometry import project, rotation, vehicle_from_world, wrap_angle
@@ -16,7 +17,7 @@ from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.planning.planner import create_planner
 from vpf_sim.planning.variant import Variant
 from vpf_sim.seeding import stream
-from vpf_sim.types import Camera, Command, DriverSetup, Floats, Flow, Image, Observation, Plan, RoadEdges, VehicleModel
+from vpf_sim.types import Camera, Floats, Flow, Image, Plan, RoadEdges, VehicleModel
 
 CAMERA, CAR = Camera(), VehicleModel()
 RATE_HZ, SPEED_MPS, FRAMES = 60.0, 5.55, 50

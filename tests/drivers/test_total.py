@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from vpf_sim import drivers
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
+from vpf_sim.driver_interface import Command, DriverSetup, Observation
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.episode import setup_for
 from vpf_sim.planning.lane.frame import NOTHING, Lane
@@ -23,7 +24,7 @@ from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.reference import LaneReference
 from vpf_sim.planning.planner import create_planner
 from vpf_sim.replay.model_vehicle import Interval, ModelVehicle
-from vpf_sim.types import Command, DriverSetup, Floats, LowObstacleRange, Observation, Obstacles, Reference, RoadEdges
+from vpf_sim.types import Floats, LowObstacleRange, Obstacles, Reference, RoadEdges
 
 FEW = settings(max_examples=50, deadline=None, derandomize=True, database=None, suppress_health_check=list(HealthCheck))
 MANY = settings(FEW, max_examples=1000)

@@ -5,7 +5,8 @@ from math import atan, cos, sin, tan
 
 import numpy as np
 
-from vpf_sim.types import Command, Observation, VehicleModel
+from vpf_sim.driver_interface import Command, Observation
+from vpf_sim.types import VehicleModel
 
 
 @dataclass

@@ -6,12 +6,13 @@ from typing import NamedTuple
 import numpy as np
 
 from vpf_sim import drivers
+from vpf_sim.driver_interface import Observation
 from vpf_sim.envs.ending import Ending
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.world import build_route
 from vpf_sim.evaluation.episode.episode import NO_FRAME, setup_for
 from vpf_sim.geometry import wrap_angle
-from vpf_sim.types import Floats, Observation
+from vpf_sim.types import Floats
 
 
 class Drive(NamedTuple):

@@ -9,6 +9,7 @@ import numpy as np
 from short_scenario import write_short
 
 from vpf_sim import drivers
+from vpf_sim.driver_interface import Command, Driver, Observation
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.episode import episode
@@ -18,7 +19,7 @@ from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.evaluation.sweeps.manifest import Manifest
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import RunFolder
-from vpf_sim.types import Command, Driver, Image, Observation
+from vpf_sim.types import Image
 
 WEATHER, SEED = "rain", 3
 STOPS_AT = 5

@@ -3,6 +3,7 @@
 import driver_settings
 from driver_settings import unwrap
 
+from vpf_sim.driver_interface import DriverSetup
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
 from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
 from vpf_sim.planning.lane.lateral_cost import LateralCost
@@ -11,7 +12,7 @@ from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.recovery import Recovery
 from vpf_sim.planning.lane.reference import LaneReference
 from vpf_sim.planning.lane.speed.limits import SpeedLimits
-from vpf_sim.types import Camera, DriverSetup, VehicleModel
+from vpf_sim.types import Camera, VehicleModel
 
 CAR, SPEED_MPS, RATE_HZ = VehicleModel(), 5.55, 60.0
 HALF_M, BUMPER_M = 0.5 * CAR.width_m, 0.5 * CAR.length_m

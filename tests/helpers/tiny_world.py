@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from vpf_sim.driver_interface import Command, DriverSetup, Observation
 from vpf_sim.scenarios.parts import Road
-from vpf_sim.types import Camera, Command, DriverSetup, Observation, VehicleModel
+from vpf_sim.types import Camera, VehicleModel
 
 RATE_HZ = 10.0
 LENGTH_M = 10.0

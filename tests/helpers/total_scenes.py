@@ -7,17 +7,16 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 
+from vpf_sim.driver_interface import DriverSetup, Observation
 from vpf_sim.planning import variant
 from vpf_sim.planning.variant import Variant
 from vpf_sim.types import (
     Camera,
-    DriverSetup,
     Expansion,
     Floats,
     Flow,
     KnownFeatures,
     LowObstacleRange,
-    Observation,
     ObstacleMap,
     Obstacles,
     Perception,

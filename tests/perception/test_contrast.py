@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from plated_road import CAMERA, PLATE_M, frame
 
+from vpf_sim.driver_interface import DriverSetup, Observation
 from vpf_sim.drivers.paper_pipeline import FrameTrackers
 from vpf_sim.drivers.perceiver import Perceiver
 from vpf_sim.perception.contrast import contrast
 from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.planning import variant
 from vpf_sim.seeding import stream
-from vpf_sim.types import DriverSetup, Observation, RoadEdges, VehicleModel
+from vpf_sim.types import RoadEdges, VehicleModel
 
 LOOKS_HZ, SPEED_MPS, HEIGHT_M = 10.0, 5.55, 0.15
 

@@ -7,9 +7,10 @@ import pytest
 from driver_settings import ROBUST, optional_sections, section_of
 from road_picture import RoadPicture
 
+from vpf_sim.driver_interface import DriverSetup, Observation
 from vpf_sim.drivers import VisionDriver
 from vpf_sim.planning.variant import load
-from vpf_sim.types import Camera, DriverSetup, Observation, VehicleModel
+from vpf_sim.types import Camera, VehicleModel
 
 SPEED_MPS, RATE_HZ, FRAMES = 5.55, 20.0, 6
 SECTIONS = ("flow", "focus_of_expansion", "camera_pitch", "odometry", "road_edges")

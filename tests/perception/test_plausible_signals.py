@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from driver_settings import ROBUST
 
+from vpf_sim.driver_interface import Observation
 from vpf_sim.perception.plausible import Plausibility
-from vpf_sim.types import Observation, VehicleModel
+from vpf_sim.types import VehicleModel
 
 RATE_HZ = 60.0
 

@@ -12,10 +12,11 @@ import pytest
 import recorded_street as street
 
 from vpf_sim import cli
+from vpf_sim.driver_interface import Command, DriverSetup, Observation
 from vpf_sim.errors import InputError
 from vpf_sim.replay import camera_motion, frame_table, open_loop, readers
 from vpf_sim.replay.recording import Recording
-from vpf_sim.types import Camera, Command, DriverSetup, Floats, Observation
+from vpf_sim.types import Camera, Floats
 
 Break = Callable[[Path], object]
 

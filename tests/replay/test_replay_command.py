@@ -11,9 +11,9 @@ import pytest
 import rendered_drive as rendered
 
 from vpf_sim import cli
+from vpf_sim.driver_interface import Command, DriverSetup, Observation
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.replay import added, frame_table
-from vpf_sim.types import Command, DriverSetup, Observation
 
 BEND_M = 100.0
 

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from vpf_sim.controllers.gtsmc import load_gains
+from vpf_sim.driver_interface import Observation
 from vpf_sim.replay import obstacles_ahead, real_table, scores
 from vpf_sim.replay.frame_table import FrameRow, FrameTable
 from vpf_sim.replay.model_vehicle import Interval, ModelVehicle
 from vpf_sim.replay.present_lane import is_found, obstacles_in_vehicle_frame, present_lane, road_in_vehicle_frame
 from vpf_sim.replay.recording import Frame, Origin, Recording
 from vpf_sim.replay.segments import segments
-from vpf_sim.types import Camera, Floats, Observation, Obstacles, Reference, RoadEdges, VehicleModel
+from vpf_sim.types import Camera, Floats, Obstacles, Reference, RoadEdges, VehicleModel
 
 VEHICLE = VehicleModel()
 

@@ -13,6 +13,7 @@ import pytest
 from short_scenario import SHORT
 
 from vpf_sim import cli
+from vpf_sim.driver_interface import Command, DriverSetup, Observation
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.envs.route import RoadLines
 from vpf_sim.evaluation import steps
@@ -26,7 +27,6 @@ from vpf_sim.reporting.episode_view import Strips, signals_of
 from vpf_sim.reporting.redraw import Redrawing, redrawing
 from vpf_sim.reporting.run_data import open_run
 from vpf_sim.reporting.top_view import Rectangle, Scene
-from vpf_sim.types import Command, DriverSetup, Observation
 from vpf_sim.types import Plan as DrivingPlan
 
 WEATHER = "rain"

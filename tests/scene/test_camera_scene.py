@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from made_scene import road
 
+from vpf_sim.driver_interface import Observation
 from vpf_sim.perception.obstacles.crossing import Crossers
 from vpf_sim.perception.obstacles.prediction import none
 from vpf_sim.scene.camera import CameraScene, road_of
-from vpf_sim.types import Observation, Obstacles, RoadEdges
+from vpf_sim.types import Obstacles, RoadEdges
 
 RADIUS_M, LANE_M = 60.0, 3.5
 SIDES_M = (-7.0, 7.0)  # of the road's reference line

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
+from vpf_sim.driver_interface import DriverSetup, Observation
 from vpf_sim.envs.world import World, build_world
 from vpf_sim.scenarios import load
 from vpf_sim.scene import Scene
 from vpf_sim.scene.planned_lanes import PlannedLanes
 from vpf_sim.scene.truth import TrueScene, road_of
-from vpf_sim.types import Camera, DriverSetup, Observation, VehicleModel
+from vpf_sim.types import Camera, VehicleModel
 
 NO_IMAGE = np.zeros((0, 0, 3), np.uint8)
 

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from vpf_sim import drivers
-from vpf_sim.types import Camera, Command, DriverSetup, Observation, VehicleModel
+from vpf_sim.driver_interface import Command, DriverSetup, Observation
+from vpf_sim.types import Camera, VehicleModel
 
 SCRIPTS = Path(__file__).parents[2] / "scripts" / "studies" / "gate"
 SCRIPT = runpy.run_path(str(SCRIPTS / "degraded_drivers.py"))

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from vpf_sim.driver_interface import Observation
 from vpf_sim.envs.ending import TERMINATED
 from vpf_sim.envs.four_lane import TRUTHS
 from vpf_sim.errors import InputError, option, shown, unknown_name
@@ -20,7 +21,7 @@ from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.reporting import cells
-from vpf_sim.types import Bools, Camera, Floats, Image, Observation
+from vpf_sim.types import Bools, Camera, Floats, Image
 
 STATE = ("speed_mps", "yaw_rate_radps", "x_m", "y_m", "yaw_rad", "goal_forward_m", "goal_right_m")
 ACTION = ("throttle", "steering")

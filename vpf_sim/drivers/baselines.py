@@ -2,8 +2,9 @@
 
 from collections.abc import Callable
 
+from vpf_sim.driver_interface import Command, Driver, DriverSetup, Observation, Privilege
 from vpf_sim.errors import InputError
-from vpf_sim.types import Command, Driver, DriverSetup, Floats, Observation, Privilege
+from vpf_sim.types import Floats
 
 
 class RouteDriver(Driver):

@@ -19,10 +19,11 @@ from math import atan2
 import cv2
 import numpy as np
 
+from vpf_sim.driver_interface import Command, Driver, DriverSetup, Observation
 from vpf_sim.geometry import ground_from_pixels, horizon_px, vehicle_from_world
 from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.schedule import Schedule
-from vpf_sim.types import Bools, Camera, Command, Driver, DriverSetup, Floats, Image, Observation, VehicleModel
+from vpf_sim.types import Bools, Camera, Floats, Image, VehicleModel
 
 FRAME_HZ = 20.0
 SPACING_PX = (20, 10)  # of the grid, across and down

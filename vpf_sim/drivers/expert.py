@@ -1,7 +1,8 @@
 """The driver that is given the whole world: the planner in space and time on the true scene."""
 
+from vpf_sim.driver_interface import Command, Driver, DriverSetup, Observation, Privilege
 from vpf_sim.errors import InputError
-from vpf_sim.types import Command, Driver, DriverSetup, Observation, Plan, Privilege
+from vpf_sim.types import Plan
 
 
 class ExpertDriver(Driver):

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 
+from vpf_sim.driver_interface import Observation
 from vpf_sim.perception.egomotion.focus_of_expansion import Derotated
 from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.obstacles.crossing import Crossers, nobody
@@ -14,7 +15,6 @@ from vpf_sim.types import (
     Flow,
     Image,
     LowObstacleRange,
-    Observation,
     Obstacles,
     PointFeatures,
     RoadEdges,

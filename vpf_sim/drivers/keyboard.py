@@ -6,7 +6,8 @@ from math import atan, pi
 from typing import Protocol
 from weakref import finalize
 
-from vpf_sim.types import Command, Driver, DriverSetup, Image, Observation, Privilege, VehicleModel
+from vpf_sim.driver_interface import Command, Driver, DriverSetup, Observation, Privilege
+from vpf_sim.types import Image, VehicleModel
 from vpf_sim.window import Inputs, Pace, Window, require_display
 
 KEYS = "arrows or WASD drive, space brakes, P pauses, Esc gives up"

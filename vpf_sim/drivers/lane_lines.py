@@ -18,9 +18,10 @@ import numpy as np
 from vpf_sim.controllers.pid import SpeedPid
 from vpf_sim.controllers.pid import load_gains as pid_gains
 from vpf_sim.controllers.stanley import load_gains
+from vpf_sim.driver_interface import Command, Driver, DriverSetup, Observation
 from vpf_sim.geometry import distance_m, project, wrap_angle
 from vpf_sim.perception.egomotion.flow import grey
-from vpf_sim.types import Bools, Camera, Command, Driver, DriverSetup, Floats, Image, Observation, VehicleModel
+from vpf_sim.types import Bools, Camera, Floats, Image, VehicleModel
 
 FRAME_HZ = 20.0
 NEAR_M, FAR_M, ASIDE_M = 4.0, 24.0, 6.0  # of the bird's-eye view

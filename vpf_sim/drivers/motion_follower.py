@@ -3,12 +3,13 @@
 import numpy as np
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
+from vpf_sim.driver_interface import Command, DriverSetup, Observation
 from vpf_sim.planning.spacetime import settings
 from vpf_sim.planning.spacetime.motion import Motion, MotionPlan
 from vpf_sim.planning.spacetime.planner import SpacetimePlanner
 from vpf_sim.planning.spacetime.tracking import reference
 from vpf_sim.scene import Road, Scene
-from vpf_sim.types import Command, DriverSetup, Force, Observation, Perception, Plan
+from vpf_sim.types import Force, Perception, Plan
 
 REPLAN_S = 0.1
 GAINS = "motion"

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Protocol, TypeAlias, cast, get_args
 
 from vpf_sim import process_state
+from vpf_sim.driver_interface import Command, Driver, DriverSetup, Observation, Privilege
 from vpf_sim.errors import InputError, shown
-from vpf_sim.types import Command, Driver, DriverSetup, Observation, Privilege
 
 PARTS = ("privileged", "reset", "act")
 NAME = re.compile(r"(?P<place>(?:[A-Za-z]:/)?[^:]+?)(?P<ending>\.py)?(?::+(?P<kind>\w*))?")  # "C:/" is a drive

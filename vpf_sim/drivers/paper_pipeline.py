@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from vpf_sim.driver_interface import DriverSetup, Observation
 from vpf_sim.drivers.frame_state import FrameState
 from vpf_sim.perception.egomotion import focus_of_expansion
 from vpf_sim.perception.egomotion.camera_pitch import PitchEstimator
@@ -12,7 +13,7 @@ from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.pipeline import Pipeline, Stage, stage
 from vpf_sim.planning.variant import Variant
 from vpf_sim.seeding import stream
-from vpf_sim.types import DriverSetup, Expansion, Floats, Flow, Image, Observation, Obstacles, PointFeatures, RoadEdges
+from vpf_sim.types import Expansion, Floats, Flow, Image, Obstacles, PointFeatures, RoadEdges
 
 INPUTS = "observation pose gap_s late"
 FEEDBACK = "foe obstacles"

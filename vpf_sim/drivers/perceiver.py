@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from vpf_sim.braking import comfortable_speed
+from vpf_sim.driver_interface import DriverSetup, Observation
 from vpf_sim.drivers.frame_state import FrameState
 from vpf_sim.drivers.paper_pipeline import FrameTrackers, paper_pipeline
 from vpf_sim.drivers.robust_pipeline import robust_pipeline
@@ -16,16 +17,7 @@ from vpf_sim.perception.plausible import Plausibility
 from vpf_sim.perception.schedule import Schedule
 from vpf_sim.planning.variant import FrameConfig, Variant
 from vpf_sim.timing import timed
-from vpf_sim.types import (
-    DriverSetup,
-    Floats,
-    Image,
-    LowObstacleRange,
-    Observation,
-    Obstacles,
-    Perception,
-    Reference,
-)
+from vpf_sim.types import Floats, Image, LowObstacleRange, Obstacles, Perception, Reference
 
 NO_IMAGE: Image = np.empty((0, 0, 3), np.uint8)
 

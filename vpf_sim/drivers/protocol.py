@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 
 from vpf_sim import process_state
+from vpf_sim.driver_interface import Command, Driver, Observation
 from vpf_sim.errors import shown
 from vpf_sim.timing import timed
-from vpf_sim.types import Command, Driver, Observation, Perception, Plan
+from vpf_sim.types import Perception, Plan
 
 
 @timed("driver")
@@ -17,7 +18,7 @@ def command_of(driver: Driver, observation: Observation) -> Command:
     _protect(observation)
     command = driver.act(observation)
     if not isinstance(command, Command):
-        raise TypeError(f"driver: act: expected a vpf_sim.types.Command, got {shown(command)}{_place(driver)}")
+        raise TypeError(f"driver: act: expected a vpf_sim.Command, got {shown(command)}{_place(driver)}")
     values = {name: _number(getattr(command, name)) for name in ("throttle", "steering")}
     for name, value in values.items():
         if not isfinite(value):

@@ -6,13 +6,13 @@ from inspect import getdoc
 from pathlib import Path
 
 from vpf_sim import process_state
+from vpf_sim.driver_interface import Driver, Privilege
 from vpf_sim.drivers import own
 from vpf_sim.drivers.baselines import IdmDriver, NeutralDriver, RouteDriver
 from vpf_sim.drivers.expert import ExpertDriver
 from vpf_sim.drivers.scene_driver import SceneDriver
 from vpf_sim.drivers.vision_driver import VisionDriver
 from vpf_sim.errors import InputError, unknown_name
-from vpf_sim.types import Driver, Privilege
 
 VARIANT_PREFIX = "vpf@"  # before the name or file of a variant
 MODEL_PREFIX = "onnx:"  # before the file of a learned policy

@@ -2,6 +2,7 @@
 
 from functools import partial
 
+from vpf_sim.driver_interface import DriverSetup, Observation
 from vpf_sim.drivers.frame_state import FrameState
 from vpf_sim.drivers.paper_pipeline import FEEDBACK, INPUTS, CommonStages, FrameTrackers
 from vpf_sim.perception.contrast import contrast
@@ -13,18 +14,7 @@ from vpf_sim.perception.obstacles.static_obstacle_settings import StaticObstacle
 from vpf_sim.perception.obstacles.static_tracker import StaticObstacleTracker
 from vpf_sim.pipeline import Pipeline, stage
 from vpf_sim.planning.variant import Variant
-from vpf_sim.types import (
-    Bools,
-    Camera,
-    DriverSetup,
-    Floats,
-    Flow,
-    Image,
-    LowObstacleRange,
-    Observation,
-    Obstacles,
-    RoadEdges,
-)
+from vpf_sim.types import Bools, Camera, Floats, Flow, Image, LowObstacleRange, Obstacles, RoadEdges
 
 
 def robust_pipeline(

@@ -1,7 +1,8 @@
 """The coming form of `vpf`: what its camera perceives as a scene, and the planner in space and time on it."""
 
+from vpf_sim.driver_interface import Command, Driver, DriverSetup, Observation, Privilege
 from vpf_sim.timing import call
-from vpf_sim.types import Command, Driver, DriverSetup, Observation, Perception, Plan, Privilege, Reference
+from vpf_sim.types import Perception, Plan, Reference
 
 VARIANT = "scene"  # of the perception
 LOST_ROAD_MPS, LOST_ROAD_M = 1.0, 12.0  # where the road is not seen: this fast, this far

@@ -3,9 +3,10 @@
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
+from vpf_sim.driver_interface import Command, Driver, DriverSetup, Observation, Privilege
 from vpf_sim.errors import InputError
 from vpf_sim.timing import call
-from vpf_sim.types import Command, Driver, DriverSetup, Observation, Perception, Plan, Privilege
+from vpf_sim.types import Perception, Plan
 
 if TYPE_CHECKING:
     from vpf_sim.controllers.gtsmc import Gains

@@ -5,7 +5,8 @@ from dataclasses import replace
 from math import hypot
 
 from vpf_sim.configuration import setting, settings
-from vpf_sim.types import Observation, VehicleModel
+from vpf_sim.driver_interface import Observation
+from vpf_sim.types import VehicleModel
 
 
 @settings

@@ -1,9 +1,9 @@
 """The planner of a variant: the paper's, or the lane planner."""
 
+from vpf_sim.driver_interface import DriverSetup
 from vpf_sim.planning.lane.planner import LanePlanner
 from vpf_sim.planning.paper.planner import PaperPlanner
 from vpf_sim.planning.variant import Variant
-from vpf_sim.types import DriverSetup
 
 
 def create_planner(setup: DriverSetup, variant: Variant) -> PaperPlanner | LanePlanner:

@@ -12,8 +12,9 @@ from math import atan, ceil, cos, sin, tan
 import numpy as np
 
 from vpf_sim.controllers.gtsmc import Gains, Gtsmc
+from vpf_sim.driver_interface import Command, Observation
 from vpf_sim.geometry import wrap_angle
-from vpf_sim.types import Command, Floats, Observation, Reference, VehicleModel
+from vpf_sim.types import Floats, Reference, VehicleModel
 
 LEAST_RATE_HZ = 60.0  # of the controller, its design rate; cameras may be slower
 MOST_OFFSET_M, MOST_HEADING_ERROR_RAD = (

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from vpf_sim import drivers
+from vpf_sim.driver_interface import Command, Driver, DriverSetup, Observation
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import distance_m
 from vpf_sim.perception.egomotion.flow import grey
@@ -34,7 +35,7 @@ from vpf_sim.replay.obstacles_ahead import LeadVehicle, has_obstacle_in_corridor
 from vpf_sim.replay.open_loop_driver import Decision, DriverError, OpenLoopDriver, at_frame, open_loop_driver
 from vpf_sim.replay.recording import Recording
 from vpf_sim.replay.segments import Segment, route, segments
-from vpf_sim.types import Camera, Command, Driver, DriverSetup, Image, Observation, VehicleModel
+from vpf_sim.types import Camera, Image, VehicleModel
 
 OWN_VARIANT = "robust"  # its flow is used without recorded rotation
 LEAST_SPEED_MPS = 2.0  # above this the flow must show a direction

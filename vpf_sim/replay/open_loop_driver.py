@@ -9,6 +9,7 @@ import numpy as np
 
 from vpf_sim import drivers
 from vpf_sim.controllers.gtsmc import Gains
+from vpf_sim.driver_interface import Command, Driver, DriverSetup, Observation
 from vpf_sim.drivers import VisionDriver
 from vpf_sim.drivers.learned.driver import OnnxDriver
 from vpf_sim.drivers.perceiver import Perceiver
@@ -22,7 +23,7 @@ from vpf_sim.replay.lane_support import LaneSupport
 from vpf_sim.replay.model_vehicle import Interval, ModelVehicle
 from vpf_sim.replay.present_lane import is_found, obstacles_in_vehicle_frame, present_lane, road_in_vehicle_frame
 from vpf_sim.replay.segments import Segment
-from vpf_sim.types import Command, Driver, DriverSetup, Force, Observation, Perception, Plan, Reference, RoadEdges
+from vpf_sim.types import Force, Perception, Plan, Reference, RoadEdges
 
 MODEL = "a model vehicle carries out the commands, from the recorded position and speed at the start of each segment"
 RECORDED = "evaluated at each recorded state"

@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 
 from vpf_sim import drivers
+from vpf_sim.driver_interface import DriverSetup, Observation
 from vpf_sim.drivers.keyboard import View
 from vpf_sim.envs.ego import Ego
 from vpf_sim.errors import InputError, option
@@ -15,7 +16,7 @@ from vpf_sim.geometry import wrap_angle
 from vpf_sim.reporting import overlay
 from vpf_sim.reporting.canvas import Canvas, Colour
 from vpf_sim.reporting.top_view import Rectangle
-from vpf_sim.types import DriverSetup, Floats, Image, Observation
+from vpf_sim.types import Floats, Image
 
 GHOST: Colour = (186, 150, 255)
 OVERLAY_KEY, GHOST_KEY = "o", "g"

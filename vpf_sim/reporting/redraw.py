@@ -11,6 +11,7 @@ from math import isfinite
 from typing import Any
 
 from vpf_sim import drivers
+from vpf_sim.driver_interface import Command, Driver, Observation
 from vpf_sim.envs.contacts import solid_objects
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.errors import InputError
@@ -21,7 +22,7 @@ from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.reporting.run_data import StoredRun
 from vpf_sim.reporting.top_view import Rectangle, Scene
-from vpf_sim.types import Camera, Command, Driver, Image, Observation, Plan
+from vpf_sim.types import Camera, Image, Plan
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from math import cos, hypot, sin
 
 import numpy as np
 
+from vpf_sim.driver_interface import Observation
 from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.object_sizes import ObjectSizes
@@ -17,7 +18,7 @@ from vpf_sim.scene.road import Road
 from vpf_sim.scene.scene import EgoState, Scene
 from vpf_sim.scene.tracker import SceneTracker, TrackTable
 from vpf_sim.scene.tracks import Tracks
-from vpf_sim.types import Camera, Floats, Observation, Perception, RoadEdges
+from vpf_sim.types import Camera, Floats, Perception, RoadEdges
 
 STEP_M = 0.5  # between the stations of the tables
 BEHIND_M, BENDS_M, AHEAD_M = 40.0, 40.0, 200.0  # of the tables; beyond BENDS_M the road goes straight on

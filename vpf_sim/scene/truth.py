@@ -7,13 +7,14 @@ from typing import Any, Protocol
 import numpy as np
 from highway_env.vehicle.objects import Landmark
 
+from vpf_sim.driver_interface import DriverSetup, Observation
 from vpf_sim.geometry import unwrapped, wrap_angle
 from vpf_sim.scene.lanes import LanePlace
 from vpf_sim.scene.planned_lanes import PlannedLanes
 from vpf_sim.scene.road import Road
 from vpf_sim.scene.scene import EgoState, Scene
 from vpf_sim.scene.tracks import Tracks
-from vpf_sim.types import DriverSetup, Floats, Observation
+from vpf_sim.types import Floats
 
 STEP_M = 0.5  # between the stations of the tables
 SECTION_M = 2.0  # between the cross-sections that are read from the lanes

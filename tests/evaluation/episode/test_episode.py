@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from tiny_world import Constant, TinyWorld
 
+from vpf_sim.driver_interface import Command, DriverSetup, Observation
 from vpf_sim.evaluation.episode.episode import read, roll_out
-from vpf_sim.types import Command, DriverSetup, Observation
 
 
 def test_an_episode_is_observed_driven_and_recorded_to_its_end() -> None:
@@ -149,7 +149,7 @@ class Silent(Constant):
     [
         (lambda: Clumsy(), "ZeroDivisionError: no fourth frame, please", 4),
         (lambda: Quitter(), "SystemExit: 5", 1),
-        (lambda: Silent(), "TypeError: driver: act: expected a vpf_sim.types.Command, got None", 1),
+        (lambda: Silent(), "TypeError: driver: act: expected a vpf_sim.Command, got None", 1),
         (lambda: Scribbler(), "ValueError: assignment destination is read-only", 1),
         (lambda: Constant(float("nan")), "ValueError: driver: Command: throttle: expected a finite number", 1),
         (

@@ -20,7 +20,7 @@ from vpf_sim.evaluation.sweeps.run_folder import read_lines
 BREAKING = """
 import numpy as np
 from vpf_sim.envs import camera
-from vpf_sim.types import Command
+from vpf_sim import Command
 
 class Broken(camera.Renderer):
     def render(self, ego, time_s):

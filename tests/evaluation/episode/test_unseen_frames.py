@@ -12,12 +12,13 @@ from straight_road import FAR, SMALL, FakeRenderer
 from straight_road import scenario as straight
 
 from vpf_sim import drivers, scenarios
+from vpf_sim.driver_interface import Command
 from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.episode.episode import NO_FRAME, read, setup_for
-from vpf_sim.types import Camera, Command, Image
+from vpf_sim.types import Camera, Image
 
 STEPS = 60
 THIRD, SECOND, SELDOM = (lambda step: step % 3 == 0), (lambda step: step % 2 == 0), (lambda step: step in (20, 21, 58))

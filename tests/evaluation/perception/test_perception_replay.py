@@ -10,6 +10,7 @@ import pytest
 from short_scenario import SHORT, write_short
 
 from vpf_sim import cli, drivers
+from vpf_sim.driver_interface import Command, DriverSetup, Observation
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.episode import episode
@@ -20,7 +21,7 @@ from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.sweeps.manifest import Manifest
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import RunFolder
-from vpf_sim.types import Command, DriverSetup, Observation, Perception
+from vpf_sim.types import Perception
 from vpf_sim.types import Plan as DrivingPlan
 
 WORLD = SHORT.replace(

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from vpf_sim.driver_interface import Observation
 from vpf_sim.evaluation.metrics import perception
 from vpf_sim.evaluation.truth.perception_errors import PerceptionErrors
-from vpf_sim.types import Camera, Floats, Observation
+from vpf_sim.types import Camera, Floats
 
 RATE_HZ, STEP_M, DISTANCE_M = 20.0, 0.5, 10.0
 CAMERA = Camera()

@@ -9,6 +9,7 @@ import pytest
 from driver_settings import ROBUST
 from road_picture import RoadPicture
 
+from vpf_sim.driver_interface import DriverSetup, Observation
 from vpf_sim.drivers.paper_pipeline import FrameTrackers
 from vpf_sim.drivers.perceiver import Perceiver
 from vpf_sim.geometry import project
@@ -17,7 +18,7 @@ from vpf_sim.perception.egomotion.mount_pitch import MountPitch
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.perception.road.model import seen_lines, seen_places
 from vpf_sim.seeding import stream
-from vpf_sim.types import Camera, DriverSetup, Expansion, Floats, Flow, Observation, RoadEdges, VehicleModel
+from vpf_sim.types import Camera, Expansion, Floats, Flow, RoadEdges, VehicleModel
 
 CAMERA = Camera()
 assert ROBUST.camera_pitch is not None

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from driver_settings import ROBUST
 
+from vpf_sim.driver_interface import DriverSetup, Observation
 from vpf_sim.drivers import VisionDriver
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.perception.egomotion.odometry import Odometry
 from vpf_sim.seeding import stream
-from vpf_sim.types import Camera, DriverSetup, Floats, Image, Observation, VehicleModel
+from vpf_sim.types import Camera, Floats, Image, VehicleModel
 
 RATE_HZ, FRAMES = 60.0, 900
 L_R_M = VehicleModel().l_r_m

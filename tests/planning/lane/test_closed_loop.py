@@ -12,9 +12,10 @@ from ideal import Body, Eyes, Road, clearance, perception
 from lane_planner import CLEARANCE, ROBUST
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
+from vpf_sim.driver_interface import DriverSetup
 from vpf_sim.planning.lane.planner import LanePlanner
 from vpf_sim.seeding import stream
-from vpf_sim.types import Camera, DriverSetup, Floats
+from vpf_sim.types import Camera, Floats
 
 KEPT_M = CLEARANCE.wanted_m - 0.1  # of the clearance that is asked for
 

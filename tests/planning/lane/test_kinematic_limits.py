@@ -19,10 +19,11 @@ from lane_planner import (
 )
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
+from vpf_sim.driver_interface import Command
 from vpf_sim.planning.lane.frame import NOTHING, Lane, LaneObstacles, locate, place
 from vpf_sim.planning.lane.lateral_cost import LateralCost
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
-from vpf_sim.types import Command, Obstacles, RoadEdges
+from vpf_sim.types import Obstacles, RoadEdges
 
 LANE = straight_lane()
 

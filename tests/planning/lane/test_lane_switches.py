@@ -10,10 +10,11 @@ from ideal import Body, Eyes, Road, perception
 from lane_planner import ROBUST, SPEED_MPS
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
+from vpf_sim.driver_interface import DriverSetup
 from vpf_sim.planning import variant
 from vpf_sim.planning.lane.lane_settings import LanePlannerConfig
 from vpf_sim.planning.lane.planner import LanePlanner
-from vpf_sim.types import Camera, DriverSetup
+from vpf_sim.types import Camera
 
 RATE_HZ = 10.0
 PASS, DEAD_END = (Body(14.0, 0.3), Body(17.0, 4.0, width_m=3.0)), (Body(28.0, 0.0, width_m=3.0), Body(28.0, 2.9))

@@ -8,6 +8,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from vpf_sim.driver_interface import Command, Driver, DriverSetup, Observation, Privilege
 from vpf_sim.drivers.learned import manifest as manifests
 from vpf_sim.drivers.learned.familiarity import Familiarity
 from vpf_sim.drivers.learned.manifest import Manifest, PictureInput, StateInput
@@ -16,7 +17,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.schedule import Schedule
 from vpf_sim.policy_state import STATE, policy_state
-from vpf_sim.types import Command, Driver, DriverSetup, Floats, Image, Observation, Privilege, Singles
+from vpf_sim.types import Floats, Image, Singles
 
 
 def shrink(image: Image, config: PictureInput) -> Image:

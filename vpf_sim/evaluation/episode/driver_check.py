@@ -6,10 +6,10 @@ from traceback import format_exc
 import numpy as np
 
 from vpf_sim import drivers, process_state, scenarios
+from vpf_sim.driver_interface import Driver
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.errors import InputError, cause
 from vpf_sim.evaluation.episode.episode import read, setup_for
-from vpf_sim.types import Driver
 
 MOST_FRAMES = 90
 ROAD = """schema = 1

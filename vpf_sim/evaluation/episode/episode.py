@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from vpf_sim import drivers, process_state
+from vpf_sim.driver_interface import Driver, DriverSetup, Observation
 from vpf_sim.envs.four_lane import TURNS, FourLane
 from vpf_sim.evaluation.episode.log import FrameHasher, StepLog
 from vpf_sim.evaluation.episode.paired import matched, pid_without_obstacles
@@ -20,7 +21,7 @@ from vpf_sim.evaluation.metrics.scoring import score
 from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import InvalidFrame, Outcome, StepTable
 from vpf_sim.timing import Stopwatch
-from vpf_sim.types import Driver, DriverSetup, Image, Observation, Plan
+from vpf_sim.types import Image, Plan
 
 Watcher = Callable[[Image, Plan | None], None]
 NO_FRAME: Image = np.empty((0, 0, 3), np.uint8)

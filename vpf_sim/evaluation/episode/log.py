@@ -8,6 +8,7 @@ from threading import Thread
 from types import TracebackType
 from typing import Any
 
+from vpf_sim.driver_interface import Command, Observation
 from vpf_sim.envs.contacts import corners, nearest, solid_objects
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.truth import surroundings
@@ -15,7 +16,7 @@ from vpf_sim.evaluation.truth.perception_errors import PerceptionErrors
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning.spacetime.motion import MotionPlan
 from vpf_sim.timing import timed
-from vpf_sim.types import Command, Image, Observation, Perception, Plan
+from vpf_sim.types import Image, Perception, Plan
 
 CREEPING_MPS = 0.5
 NO_FOE_PX = (nan, nan)  # a stationary car has no focus of expansion

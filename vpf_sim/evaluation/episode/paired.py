@@ -9,11 +9,12 @@ from typing import NamedTuple
 import numpy as np
 
 from vpf_sim import drivers
+from vpf_sim.driver_interface import DriverSetup, Observation
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.metrics.tracking import at_distance
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.scenarios import DrawnScenario
-from vpf_sim.types import DriverSetup, Floats, Image, Observation
+from vpf_sim.types import Floats, Image
 
 NO_IMAGE: Image = np.empty((0, 0, 3), np.uint8)
 

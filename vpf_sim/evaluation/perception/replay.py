@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vpf_sim import drivers
+from vpf_sim.driver_interface import Driver, Observation
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import pool, steps
 from vpf_sim.evaluation.episode.episode import read, setup_for
@@ -22,7 +23,7 @@ from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.perception.scorer import DriveEvaluation, PerceptionScorer
 from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import StepTable
-from vpf_sim.types import Driver, Observation, Perception
+from vpf_sim.types import Perception
 
 
 class StoredDrive(NamedTuple):

@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from vpf_sim.driver_interface import Observation
 from vpf_sim.evaluation.truth.detections import DetectionScorer
 from vpf_sim.evaluation.truth.true_motion import Shot, TrueMotion, ttc_errors
-from vpf_sim.types import Flow, Observation, Perception
+from vpf_sim.types import Flow, Perception
 
 SCORED_EVERY_S = 2.0  # rendering a frame's ground truth takes as long as several steps
 LONGEST_S = 0.1  # of the flow windows that are scored

@@ -12,9 +12,10 @@ scale and bias are. Its changes measure how rough the pose is. A smooth pose is 
 from dataclasses import dataclass, replace
 from math import atan, cos, exp, sin, sqrt, tan
 
+from vpf_sim.driver_interface import Observation
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.perception.egomotion.egomotion_settings import OdometryConfig
-from vpf_sim.types import Observation, VehicleModel
+from vpf_sim.types import VehicleModel
 
 
 @dataclass(slots=True)

@@ -23,13 +23,14 @@ from math import tan
 
 import numpy as np
 
+from vpf_sim.driver_interface import DriverSetup
 from vpf_sim.planning.lane.frame import Lane
 from vpf_sim.planning.lane.gap_cost import narrowness
 from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
 from vpf_sim.planning.lane.lane_settings import BesideConfig, LanePlannerConfig, LatchConfig
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.stopping_distance import stopping_way
-from vpf_sim.types import Bools, DriverSetup, Floats
+from vpf_sim.types import Bools, Floats
 
 TIE = 1e-9
 EXCLUDED = 1e3  # more than any obstacle, side or memory costs

@@ -5,9 +5,10 @@ from math import inf, sqrt, tan
 
 import numpy as np
 
+from vpf_sim.driver_interface import DriverSetup
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
 from vpf_sim.planning.lane.lane_settings import LanePlannerConfig
-from vpf_sim.types import Bools, DriverSetup, Floats
+from vpf_sim.types import Bools, Floats
 
 FREE_M = 1e-6  # an obstacle does not occupy its own side
 

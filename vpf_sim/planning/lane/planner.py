@@ -5,6 +5,7 @@ from math import inf
 
 import numpy as np
 
+from vpf_sim.driver_interface import DriverSetup, Observation
 from vpf_sim.planning.lane.frame import NOTHING, Lane, LaneObstacles, locate, place
 from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
 from vpf_sim.planning.lane.lane_settings import LanePlannerConfig
@@ -13,7 +14,7 @@ from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.recovery import Recovery
 from vpf_sim.planning.lane.reference import LaneReference
 from vpf_sim.planning.lane.speed.clear_distance import speed_within_clear_distance
-from vpf_sim.types import DriverSetup, Force, Observation, Obstacles, Perception, PlanDetails, Reference, RoadEdges
+from vpf_sim.types import Force, Obstacles, Perception, PlanDetails, Reference, RoadEdges
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,7 @@ from math import asin, atan, ceil, cos, sin, tan
 
 import numpy as np
 
+from vpf_sim.driver_interface import DriverSetup, Observation
 from vpf_sim.geometry import vehicle_from_world, wrap_angle
 from vpf_sim.planning.lane.frame import Lane, locate, place
 from vpf_sim.planning.lane.kinematic_limits import rear_m
@@ -19,7 +20,7 @@ from vpf_sim.planning.lane.lane_settings import LanePlannerConfig
 from vpf_sim.planning.lane.recovery_candidates import STEP_M, Blockers, Candidates, candidates, separation
 from vpf_sim.planning.lane.recovery_config import RecoveryConfig
 from vpf_sim.planning.lane.speed.creep import STANDING_MPS
-from vpf_sim.types import DriverSetup, Floats, Observation, Obstacles, Reference, RoadEdges
+from vpf_sim.types import Floats, Obstacles, Reference, RoadEdges
 
 COARSE = 8  # steps
 STRAIGHT_RAD = 0.02  # wheels that turn by less do not slow the car

@@ -14,6 +14,7 @@ from math import asin, exp, sqrt
 
 import numpy as np
 
+from vpf_sim.driver_interface import DriverSetup
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning.lane.frame import Lane
 from vpf_sim.planning.lane.kinematic_limits import KinematicLimits, rear_m
@@ -22,7 +23,7 @@ from vpf_sim.planning.lane.lateral_path import LateralPath
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.speed.limits import SpeedLimits
 from vpf_sim.planning.lane.stopping_distance import stopping_way
-from vpf_sim.types import DriverSetup, Reference
+from vpf_sim.types import Reference
 
 
 class LaneReference:

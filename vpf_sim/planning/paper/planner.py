@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from vpf_sim.configuration import settings
+from vpf_sim.driver_interface import DriverSetup, Observation
 from vpf_sim.planning.lane.frame import Lane, locate
 from vpf_sim.planning.paper import obstacle_field, road_field, target_field, total_field
 from vpf_sim.planning.paper.obstacle_field import ObstacleFieldConfig
@@ -10,7 +11,7 @@ from vpf_sim.planning.paper.reference import HeadingReference, ReferenceConfig
 from vpf_sim.planning.paper.road_field import Bend, FoeBend, RoadFieldConfig
 from vpf_sim.planning.paper.target_field import TargetFieldConfig
 from vpf_sim.planning.paper.total_field import TotalFieldConfig
-from vpf_sim.types import DriverSetup, Force, Observation, Perception, PlanDetails, Reference
+from vpf_sim.types import Force, Perception, PlanDetails, Reference
 
 
 @settings

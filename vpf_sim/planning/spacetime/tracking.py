@@ -6,12 +6,13 @@ that grows with the speed; its rate is the derivative in closed form.
 
 from math import atan, sin
 
+from vpf_sim.driver_interface import Observation
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning.spacetime.motion import Motion
 from vpf_sim.planning.spacetime.motions import LEAST_STRETCH, path_curvature
 from vpf_sim.planning.spacetime.planner import slip_rad
 from vpf_sim.scene.road import Road
-from vpf_sim.types import Observation, Reference, VehicleModel
+from vpf_sim.types import Reference, VehicleModel
 
 LEAST_REACH_M, REACH_S = 2.2, 0.7  # l
 STEERING_S, LEAST_AHEAD_M = 0.15, 0.3  # how far ahead the path's curvature is read

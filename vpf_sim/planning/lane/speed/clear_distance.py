@@ -7,9 +7,10 @@ limited: its user has chosen not to stop for low obstacles.
 
 from math import inf, isinf
 
+from vpf_sim.driver_interface import DriverSetup
 from vpf_sim.planning.lane.lane_settings import BrakingConfig, ClearDistanceConfig
 from vpf_sim.planning.lane.stopping_distance import stopping_speed
-from vpf_sim.types import DriverSetup, LowObstacleRange
+from vpf_sim.types import LowObstacleRange
 
 
 def speed_within_clear_distance(

@@ -6,8 +6,8 @@ reach, creeps to the standoff, and only then to the closest standoff.
 
 from math import inf
 
+from vpf_sim.driver_interface import DriverSetup
 from vpf_sim.planning.lane.lane_settings import LanePlannerConfig
-from vpf_sim.types import DriverSetup
 
 STANDING_MPS = 0.1
 STAGES = 2  # to the standoff, and to the closest one

@@ -5,13 +5,14 @@ from math import inf, sqrt, tan
 import numpy as np
 
 from vpf_sim.braking import comfortable_speed, hard_excess
+from vpf_sim.driver_interface import DriverSetup
 from vpf_sim.planning.lane.frame import Lane
 from vpf_sim.planning.lane.kinematic_limits import SPEEDS_MPS, KinematicLimits
 from vpf_sim.planning.lane.lane_settings import LanePlannerConfig, LookConfig, SpeedConfig
 from vpf_sim.planning.lane.lateral_path import LateralPath
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.speed.creep import Creep
-from vpf_sim.types import Bools, DriverSetup, Floats
+from vpf_sim.types import Bools, Floats
 
 SHORTEST_M = 0.1  # of a stop: the error of a face
 STRAIGHT = 0.02  # slope, and share of the tightest bend, of a path that needs no rest
