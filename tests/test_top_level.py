@@ -17,7 +17,7 @@ def test_every_name_is_there_and_documented(name: str) -> None:
 
 def test_an_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="module 'vpf_sim' has no attribute 'dirve'"):
-        vpf_sim.dirve
+        vpf_sim.dirve  # noqa: B018
 
 
 def test_listing_the_names_loads_none_of_them() -> None:
@@ -46,4 +46,4 @@ def test_the_interface_of_drivers_is_found_where_it_stood_before() -> None:
 
     assert types.Command is driver_interface.Command
     with pytest.raises(AttributeError, match=r"'vpf_sim\.types' has no attribute 'Comand'"):
-        types.Comand
+        types.Comand  # noqa: B018
