@@ -9,7 +9,7 @@ from vpf_sim import files, machine
 from vpf_sim.machine import equal_frames
 
 TABLE = Path(machine.__path__[0]) / "frame_hashes.toml"
-HEADER = "# SHA-256 over frames by road, weather and size: equal on every machine. Made by scripts/frame_hashes.py.\n"
+HEADER = "# SHA-256 over frames by road, weather and camera: equal on every machine. Made by scripts/frame_hashes.py.\n"
 
 
 def main() -> None:

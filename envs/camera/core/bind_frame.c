@@ -45,6 +45,18 @@ FUNCTION(draw_noise) {
     return draw_on(&call, vc_draw_noise);
 }
 
+/* core, shift_px, two frames: as it was, and as it is read. */
+FUNCTION(read_out) {
+    Call call;
+    double shift_px;
+    if (!vc_begin_call(&call, arguments, VC_CORE_NAME, 2, VC_WRITE, "d", &shift_px)) return NULL;
+    vc_core *core = call.object;
+    vc_image from = vc_frame_in(&call, 0, &core->camera, 3), to = vc_frame_in(&call, 1, &core->camera, 3);
+    int fits = from.px != NULL && to.px != NULL;
+    if (fits) vc_read_out(core, shift_px, from, to);
+    return vc_end_call(&call, fits ? VC_OK : VC_INVALID);
+}
+
 /* core, level, (rows, columns) uint32 texels. */
 FUNCTION(read_raster) {
     Call call;
@@ -72,6 +84,7 @@ static PyMethodDef METHODS[] = {
     METHOD(draw_wet_road, "Draw reflections on the road."),
     METHOD(draw_scene, "Draw what rises from the ground, and its shadows."),
     METHOD(draw_noise, "Add the noise of the sensor."),
+    METHOD(read_out, "Shift the rows as a rolling shutter does."),
     METHOD(read_raster, "Copy the raster of a level."),
     METHOD(truth, "Write instance and plane of each pixel."),
     {NULL, NULL, 0, NULL},

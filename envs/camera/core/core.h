@@ -287,6 +287,9 @@ void vc_draw_wet_road(vc_core *core, vc_image image); /* reflections, between ba
 void vc_draw_scene(vc_core *core, vc_image image);    /* shadows of the objects, and all that rises from the ground */
 void vc_draw_noise(vc_core *core, vc_image image);
 
+/* What a rolling shutter makes of a frame: from row to row the scene moves `shift_px` further to the left. */
+void vc_read_out(const vc_core *core, double shift_px, vc_image from, vc_image to);
+
 /* Writes what each pixel shows: 0 ground or sky, -1 scenery, i + 1 object i; and (height, width, 3) the plane there:
  * the inverse depth is its product with the ray (x, y, 1). */
 void vc_truth(vc_core *core, int32_t *instance, double *planes);

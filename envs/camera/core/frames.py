@@ -235,6 +235,12 @@ class Core:
         """Add the sensor's noise of a time."""
         _core.draw_noise(self._handle, round(1e6 * time_s), frame)
 
+    def read_out(self, frame: Image, shift_px: float) -> Image:
+        """(H, W, 3) the frame through a rolling shutter: the scene moves `shift_px` further to the left in each row."""
+        read = np.empty_like(frame)
+        _core.read_out(self._handle, shift_px, frame, read)
+        return read
+
     def truth(self) -> tuple[NDArray[np.int32], Floats]:
         """(H, W) what each pixel shows: 0 ground or sky, -1 scenery, i + 1 object i; and (H, W, 3) its plane."""
         size = (self.camera.height_px, self.camera.width_px)

@@ -5,6 +5,8 @@ from math import exp
 import cv2
 import numpy as np
 
+from vpf_sim.envs.camera.core.frames import Core
+from vpf_sim.envs.camera.horizon import ground_top
 from vpf_sim.envs.camera.rig import Rig
 from vpf_sim.envs.camera.snapshot import Snapshot
 from vpf_sim.geometry import wrap_angle
@@ -54,8 +56,8 @@ class Recorder:
         self._readout_s = rig.rolling_shutter_ms / 1e3
         self._has_text = rig.overlay
         self._quality = rig.jpeg_quality
-        self._fx_px, self._cy_px = rig.camera.fx_px, rig.camera.cy_px
-        self._height_px = rig.camera.height_px
+        self._fx_px, self._height_px = rig.camera.fx_px, rig.camera.height_px
+        self._core = Core(rig.camera, ground_top(rig.camera))
 
     def read_out(self, frame: Image, now: Snapshot, before: Snapshot) -> Image:
         """(H, W, 3) the frame as a rolling shutter sees it while the car turns; the middle row is read now.
@@ -69,9 +71,7 @@ class Recorder:
         shear = self._fx_px * turned_rad / gap_s * self._readout_s / self._height_px  # px a row
         if abs(shear) * self._height_px < 2.0 * LEAST_SHIFT_PX:
             return frame
-        matrix = np.array([[1.0, -shear, shear * self._cy_px], [0.0, 1.0, 0.0]])
-        size = (frame.shape[1], frame.shape[0])
-        return np.asarray(cv2.warpAffine(frame, matrix, size, borderMode=cv2.BORDER_REPLICATE), np.uint8)
+        return self._core.read_out(frame, shear)
 
     def record(self, frame: Image, now: Snapshot, before: Snapshot) -> Image:
         """(H, W, 3) the frame with its text, after compression."""
