@@ -8,10 +8,10 @@ no frame.
 """
 
 from math import hypot
-from typing import Any
 
 from highway_env.road.road import Road
 from highway_env.vehicle.behavior import IDMVehicle
+from highway_env.vehicle.kinematics import Vehicle
 
 from vpf_sim import configuration
 from vpf_sim.configuration import setting, settings
@@ -65,7 +65,7 @@ class Idm:
         self._setup = setup
         self._world = world
         self._twin: Twin | None = None
-        self._ego: Any = None
+        self._ego: Vehicle | None = None
 
     def command(self, observation: Observation) -> Command:
         """The command for one step of 1 / rate_hz."""

@@ -5,10 +5,12 @@ from math import cos, hypot, inf, sin
 from operator import itemgetter
 
 from highway_env.road.road import Road
-from highway_env.vehicle.objects import Landmark, RoadObject
+from highway_env.vehicle.kinematics import Vehicle
+from highway_env.vehicle.objects import Landmark
+
+from vpf_sim.envs.network import OnRoad, Outline, Point
 
 SPARE_M = 1e-6  # on the distance from which highway-env looks closer, against rounding
-Point = tuple[float, float]
 
 
 class ContactRoad(Road):  # type: ignore[misc]
@@ -22,13 +24,13 @@ class ContactRoad(Road):  # type: ignore[misc]
             if one < len(self.vehicles):
                 objects[one].handle_collisions(objects[other], dt)
 
-    def move(self, vehicles: Iterable[RoadObject], dt: float) -> None:
+    def move(self, vehicles: Iterable[Vehicle], dt: float) -> None:
         """Move vehicles for dt seconds."""
         for vehicle in vehicles:
             vehicle.step(dt)
 
 
-def near_pairs(objects: Sequence[RoadObject], dt: float) -> list[tuple[int, int]]:
+def near_pairs(objects: Sequence[OnRoad], dt: float) -> list[tuple[int, int]]:
     """Pairs of numbers, in order, of objects that may touch within dt seconds; those left out do not."""
     spans = sorted(_span(obj, number, dt) for number, obj in enumerate(objects))
     found: list[tuple[int, int]] = []
@@ -45,14 +47,14 @@ def near_pairs(objects: Sequence[RoadObject], dt: float) -> list[tuple[int, int]
     return sorted(found)
 
 
-def _span(obj: RoadObject, number: int, dt: float) -> tuple[float, float, float, float, int]:
+def _span(obj: OnRoad, number: int, dt: float) -> tuple[float, float, float, float, int]:
     """Low and high x, low and high y, m, of what an object may reach; and its number."""
     x, y = obj.position.tolist()
     reach = float(obj.diagonal) / 2.0 + abs(float(obj.speed)) * dt + SPARE_M
     return x - reach, x + reach, y - reach, y + reach, number
 
 
-def corners(obj: RoadObject) -> list[Point]:
+def corners(obj: Outline) -> list[Point]:
     """The four corners in the world, in order around the rectangle."""
     x, y = obj.position.tolist()
     cosine, sine = cos(obj.heading), sin(obj.heading)
@@ -61,14 +63,14 @@ def corners(obj: RoadObject) -> list[Point]:
     return [(x + cosine * along - sine * right, y + sine * along + cosine * right) for along, right in own]
 
 
-def to_local(obj: RoadObject, points: Iterable[Point]) -> list[Point]:
+def to_local(obj: Outline, points: Iterable[Point]) -> list[Point]:
     """World points in an object's frame: metres forward and right of its centre."""
     x, y = obj.position.tolist()
     cosine, sine = cos(obj.heading), sin(obj.heading)
     return [(cosine * (px - x) + sine * (py - y), cosine * (py - y) - sine * (px - x)) for px, py in points]
 
 
-def distance(a: RoadObject, b: RoadObject) -> float:
+def distance(a: Outline, b: Outline) -> float:
     """m between the nearest points of two objects; 0 where they touch or overlap.
 
     For two separate convex shapes, one of the nearest points is a corner, so the corners of each are measured against
@@ -80,25 +82,25 @@ def distance(a: RoadObject, b: RoadObject) -> float:
     return min(_from_corners(a, b_from_a), _from_corners(b, a_from_b))
 
 
-def _beyond_a_side(obj: RoadObject, points: list[Point]) -> bool:
+def _beyond_a_side(obj: Outline, points: list[Point]) -> bool:
     a, b = obj.LENGTH / 2.0, obj.WIDTH / 2.0
     along, across = [point[0] for point in points], [point[1] for point in points]
     return bool(min(along) > a or max(along) < -a or min(across) > b or max(across) < -b)
 
 
-def _from_corners(obj: RoadObject, points: list[Point]) -> float:
+def _from_corners(obj: Outline, points: list[Point]) -> float:
     half_length, half_width = obj.LENGTH / 2.0, obj.WIDTH / 2.0
     return min(hypot(max(abs(x) - half_length, 0.0), max(abs(y) - half_width, 0.0)) for x, y in points)
 
 
-def solid_objects(ego: RoadObject) -> list[RoadObject]:
+def solid_objects(ego: OnRoad) -> list[OnRoad]:
     """All objects on the ego's road that it can collide with."""
     road = ego.road
     others = [other for other in road.vehicles if other is not ego]
     return others + [obj for obj in road.objects if not isinstance(obj, Landmark)]
 
 
-def nearest(ego: RoadObject) -> tuple[float, RoadObject | None]:
+def nearest(ego: OnRoad) -> tuple[float, OnRoad | None]:
     """m from the ego to the nearest object, and that object; inf and None without objects."""
     x, y = ego.position.tolist()
     bounds = []
@@ -114,12 +116,7 @@ def nearest(ego: RoadObject) -> tuple[float, RoadObject | None]:
     return nearest_m, obj
 
 
-def clearance(ego: RoadObject) -> float:
-    """m from the ego to the nearest object; inf without objects."""
-    return nearest(ego)[0]
-
-
-def free_ahead(ego: RoadObject) -> float:
+def free_ahead(ego: OnRoad) -> float:
     """m from the front bumper to the first object in the strip straight ahead; inf without one."""
     faces = (_first_in_strip(to_local(ego, corners(other)), ego.WIDTH / 2.0) for other in solid_objects(ego))
     return float(min((face for face in faces if face > 0.0), default=inf) - ego.LENGTH / 2.0)

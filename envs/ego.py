@@ -7,7 +7,7 @@ import numpy as np
 from highway_env.road.road import Road
 from highway_env.vehicle.kinematics import Vehicle
 
-from vpf_sim.envs.route import Network
+from vpf_sim.envs.network import Network
 from vpf_sim.scenarios.kinds import EGO_SIZE, ObjectKind
 from vpf_sim.types import Floats, VehicleModel
 

@@ -17,9 +17,10 @@ from vpf_sim.envs import camera as cameras
 from vpf_sim.envs.camera import Rig
 from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.envs.camera.rig import checked_rig, preset
-from vpf_sim.envs.contacts import clearance, distance, solid_objects
+from vpf_sim.envs.contacts import distance, nearest, solid_objects
 from vpf_sim.envs.ego import MAX_SPEED_MPS, YAW_RATE_LIMIT_RADPS, Ego
 from vpf_sim.envs.ending import TERMINATED, TRUNCATED, Ending, Status
+from vpf_sim.envs.network import OnRoad
 from vpf_sim.envs.sensors import CameraFaults, Sensors, SignalFaults
 from vpf_sim.envs.world import build_world
 from vpf_sim.errors import InputError, refuse_options, refuse_unknown, unknown_name
@@ -170,6 +171,11 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
         return self._path.progress(self.ego.place[0])
 
     @property
+    def nearest(self) -> tuple[float, OnRoad | None]:
+        """m from the ego to the nearest object, and that object, at the last reset or step; inf and None without."""
+        return self._nearest
+
+    @property
     def renderer(self) -> cameras.Renderer | None:
         """The camera of the episode, for access to ground truth; None with `frames=False`."""
         return self._renderer
@@ -259,12 +265,13 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
 
     @timed("info")
     def _info(self, status: Status) -> dict[str, Any]:
+        self._nearest = nearest(self.ego)
         return {
             "status": status,
             "is_success": status == "success",
             "route_m": self._route_m,
             "lane_offset_m": self.ego.place[1] - self._path.offset_at(self.ego.place[0]),
-            "clearance_m": clearance(self.ego),
+            "clearance_m": self._nearest[0],
             "collided_with": self._collided_with() if status == "collision" else None,
             **({"ego": self._state()} if self._reads_with_errors else {}),
             **({"invalid_frame": asdict(invalid)} if (invalid := self._running("info").invalid_frame) else {}),

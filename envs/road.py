@@ -8,8 +8,8 @@ from highway_env.road.lane import AbstractLane, LineType
 from highway_env.road.road import LaneIndex, RoadNetwork
 
 from vpf_sim.envs.centre_line import CentreLine
-from vpf_sim.envs.contacts import ContactRoad, Point, corners
-from vpf_sim.envs.route import LaneUse, Place, RoadLines
+from vpf_sim.envs.contacts import ContactRoad, corners
+from vpf_sim.envs.network import LaneUse, OnRoad, Place, Point, RoadLines
 from vpf_sim.scenarios import Scenario
 from vpf_sim.scenarios.lane_places import LanePlaces
 from vpf_sim.scenarios.parts import Road
@@ -146,11 +146,11 @@ class Carriageway(RoadNetwork):  # type: ignore[misc]
         """(s, lateral) of a world point."""
         return self.centre.local_at(x_m, y_m)
 
-    def lane_of(self, ego: Any) -> LaneIndex:
+    def lane_of(self, ego: OnRoad) -> LaneIndex:
         """The lane at the ego's place."""
         return self.lane_at(ego.place)
 
-    def is_off_road(self, ego: Any) -> bool:
+    def is_off_road(self, ego: OnRoad) -> bool:
         """Whether a corner of the ego is beyond the carriageway's edges or ends by more than the margin."""
         s, lateral = ego.place
         reach_m = ego.diagonal / 2.0

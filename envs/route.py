@@ -1,21 +1,12 @@
-"""The route: the centre of a lane, from the start to beyond the goal.
+"""The route: the centre of a lane, from the start to beyond the goal."""
 
-What the ego, the endings and the scores ask of a road: highway-env's lane network with places and edges.
-
-A place is (s, lateral): metres along the road's reference line, and metres right of it. Every object on a road has one
-as `place`; it is nan where the reference line does not pass the object.
-"""
-
-from collections.abc import Sequence
 from math import inf
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
-from highway_env.road.road import LaneIndex
 
 from vpf_sim.driver_interface import Turn
 from vpf_sim.envs.centre_line import ReferenceLine
-from vpf_sim.envs.contacts import Point
 from vpf_sim.scenarios import Scenario
 from vpf_sim.scenarios.lane_places import LanePlaces
 from vpf_sim.types import Floats
@@ -23,7 +14,6 @@ from vpf_sim.types import Floats
 BEYOND_GOAL_M = 40.0
 SPACING_M = 1.0
 FINE_M = 0.1  # between the points that give a varying lane's length
-Place = tuple[float, float]
 
 
 class Fork(NamedTuple):
@@ -118,52 +108,3 @@ class VaryingRoute(Route):
         wanted = np.arange(0.0, self.length_m + BEYOND_GOAL_M, SPACING_M)
         s = np.interp(wanted, self._along_m, self._s_m)
         return self.centre.position(s, self._places.middle(self._lane, s))
-
-
-class LaneUse(NamedTuple):
-    """How the corners of a car lie on the lanes."""
-
-    is_outside: bool  # a corner is on no lane
-    in_one_lane: bool  # one lane holds all corners
-
-
-class RoadLines(NamedTuple):
-    """A road from above, in world axes."""
-
-    strips_m: tuple[tuple[Floats, Floats], ...]  # the surface: (M, 2) left and right sides of each strip
-    solid_m: tuple[Floats, ...]  # (M, 2) each
-    dashed_m: tuple[Floats, ...]  # (M, 2) each
-
-
-class Network(Protocol):
-    """A highway-env road network that knows places and edges."""
-
-    centre: ReferenceLine
-
-    def place_at(self, x_m: float, y_m: float, near_s_m: float | None = None) -> Place:
-        """The place of a world point; `near_s_m` is about where it is, if that is known."""
-        ...
-
-    def lane_of(self, ego: Any) -> LaneIndex:
-        """The index of the lane in which the ego is."""
-        ...
-
-    def get_lane(self, index: LaneIndex) -> Any:
-        """The lane with an index."""
-        ...
-
-    def is_off_road(self, ego: Any) -> bool:
-        """Whether the ego has left the road, which ends the episode."""
-        ...
-
-    def lane_use(self, corners: Sequence[Point], near_s_m: float) -> LaneUse:
-        """How the corners of a car, which is near s, lie on the lanes."""
-        ...
-
-    def edges_at(self, x_m: float, y_m: float, heading_rad: float) -> tuple[float, float]:
-        """(left, right) m, offsets from a point to the edges of the carriageway, left < 0; nan where it has no edge."""
-        ...
-
-    def lines(self) -> RoadLines:
-        """The road from above."""
-        ...

@@ -1,5 +1,6 @@
 """The interface of a driver: what it is given before an episode and at each step, and what it returns."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, isnan, nan
 from typing import Any, Literal, Protocol
@@ -10,6 +11,22 @@ from vpf_sim.types import Camera, Floats, Image, Perception, Plan, VehicleModel
 
 Privilege = Literal["none", "route", "world"]
 Turn = Literal["lane", "left", "straight", "right"]  # what to do next: keep the lane, or which road to take at a fork
+
+
+class World(Protocol):
+    """highway-env's road with all that is on it, `highway_env.road.road.Road`; its parts are highway-env's."""
+
+    network: Any
+
+    @property
+    def vehicles(self) -> Sequence[Any]:
+        """Cars and others that move by themselves, the ego among them."""
+        ...
+
+    @property
+    def objects(self) -> Sequence[Any]:
+        """What does not move by itself."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +43,7 @@ class DriverSetup:
     goal_m: tuple[float, float]
     seed: int
     route: Floats | None = None  #: (M, 2) m, along the lane's centre from the start to beyond the goal, 1 m apart
-    world: Any | None = None  #: highway_env.road.road.Road
+    world: World | None = None
 
     def __post_init__(self) -> None:
         if not 0.0 < self.rate_hz < inf:

@@ -3,17 +3,16 @@
 from collections.abc import Iterator, Sequence
 from math import cos, nan, pi
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 from highway_env.road.lane import AbstractLane
 from highway_env.road.road import LaneIndex, RoadNetwork
 
 from vpf_sim.envs.camera.layout import lane_shapes, lines
-from vpf_sim.envs.contacts import Point
 from vpf_sim.envs.highway.lanes import SplineLine
-from vpf_sim.envs.route import LaneUse, Place, RoadLines
+from vpf_sim.envs.network import LaneUse, OnRoad, Place, Point, RoadLines
 from vpf_sim.geometry import wrap_angle
+from vpf_sim.types import Floats
 
 PARALLEL_RAD = pi / 9.0  # lanes at a smaller angle, in either direction, share a cross-section
 ROUTE_HALF_M = 2.0  # half a lane; where two roads do not meet exactly, the route between them is road as well
@@ -36,11 +35,11 @@ class LaneGraph(RoadNetwork):  # type: ignore[misc]
         """(s, lateral) of a world point on the route, looked for near `near_s_m`."""
         return self.centre.local_at(x_m, y_m, near_s_m)
 
-    def lane_of(self, ego: Any) -> LaneIndex:
+    def lane_of(self, ego: OnRoad) -> LaneIndex:
         """highway-env's lane of a car: the nearest, by position and heading."""
         return self.get_closest_lane_index(ego.position, ego.heading)
 
-    def is_off_road(self, ego: Any) -> bool:
+    def is_off_road(self, ego: OnRoad) -> bool:
         """Whether the ego's centre is on no lane, as in highway-env, and beside the route."""
         return not (abs(ego.place[1]) <= ROUTE_HALF_M or any(lane.on_lane(ego.position) for lane in self.lanes_list()))
 
@@ -72,7 +71,7 @@ class LaneGraph(RoadNetwork):  # type: ignore[misc]
             return nan, nan
         return left, right
 
-    def _across(self, point: Any, here: AbstractLane) -> Iterator[tuple[float, float, bool]]:
+    def _across(self, point: Floats, here: AbstractLane) -> Iterator[tuple[float, float, bool]]:
         """The left and right sides of every lane at a point, m right of it, and whether it is parallel to `here`."""
         heading = here.heading_at(here.local_coordinates(point)[0])
         for lane in self.lanes_list():

@@ -1,7 +1,9 @@
 """The world of a highway-env environment as it makes it, and the traffic that it lets come and go."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import cache
+from importlib.util import find_spec, module_from_spec
 from math import hypot, isnan, nan
 from typing import Any
 
@@ -10,7 +12,6 @@ import numpy as np
 from gymnasium.envs.registration import load_env_creator
 from highway_env.envs import IntersectionEnv
 from highway_env.utils import class_from_path
-from highway_env.vehicle.kinematics import Vehicle
 from highway_env.vehicle.objects import Obstacle, RoadObject
 
 from vpf_sim.envs.ego import Ego
@@ -18,7 +19,8 @@ from vpf_sim.envs.highway.indexed_road import speed_up
 from vpf_sim.envs.highway.lane_graph import ROUTE_HALF_M, LaneGraph
 from vpf_sim.envs.highway.lanes import Road, Stretch, roads_to, stretches
 from vpf_sim.envs.highway.path import centre_line, forks
-from vpf_sim.envs.route import BEYOND_GOAL_M, Fork, Place, Route
+from vpf_sim.envs.network import Place
+from vpf_sim.envs.route import BEYOND_GOAL_M, Fork, Route
 from vpf_sim.scenarios import HighwayScenario
 from vpf_sim.scenarios.highway import HighwayEnv
 
@@ -40,10 +42,11 @@ class Traffic:
             config["destination"] = None
         # its class, since gymnasium.make warns that a newer version of the environment exists
         environment: Any = load_env_creator(str(gymnasium.spec(settings.id).entry_point))
-        with _changes_undone(environment, config) as changes:
+        self._kind = class_from_path({**environment.default_config(), **config}["other_vehicles_type"])
+        with _as_written(self._kind) as parameters:
             self._env: Any = environment(config=config)
             self._env.reset(seed=seed)
-        self._changes = changes
+        self._parameters = parameters
         self._comes_and_goes = settings.traffic and isinstance(self._env, IntersectionEnv)
         self.road = self._env.road
         self.start = self._env.vehicle  # highway-env's ego
@@ -89,11 +92,11 @@ class Traffic:
         return (s, lateral) if abs(lateral) <= BESIDE_M else NOWHERE
 
     def _adopt(self, objects: list[Any]) -> None:
-        """Give objects their kind, and cars the parameters that highway-env has set on their class."""
+        """Give objects their kind, and cars the parameters of their class, which may change in the process."""
         for obj in objects:
             obj.kind = kind_of(obj)
-            for name, value in self._changes.items() if isinstance(obj, Vehicle) else ():
-                setattr(obj, name, value)
+            if type(obj) is self._kind:
+                vars(obj).update({**self._parameters, **vars(obj)})
 
 
 def kind_of(obj: RoadObject) -> str:
@@ -107,26 +110,42 @@ def _every(frequency_hz: float, rate_hz: float) -> int:
 
 
 @contextmanager
-def _changes_undone(environment: Any, config: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """Undo what making an environment changes on the class of its cars; yields these changes, filled at the end.
+def _as_written(kind: type) -> Iterator[dict[str, Any]]:
+    """A class of cars as its source says, while an environment is made; yields the cars' parameters, final at the end.
 
     highway-env's intersection sets parameters of its traffic on the class, and so of all traffic in the process. An
-    episode must not depend on those before it.
+    episode must not depend on the environments before it, whoever made them.
     """
-    traffic = class_from_path({**environment.default_config(), **config}["other_vehicles_type"])
-    before = dict(vars(traffic))
-    changes: dict[str, Any] = {}
+    found, parameters = _parameters(vars(kind)), dict[str, Any]()
+    for base in reversed(kind.__mro__):
+        parameters |= _written(base)
     try:
-        yield changes
+        for name, value in parameters.items():
+            setattr(kind, name, value)
+        yield parameters
     finally:
-        for name, value in dict(vars(traffic)).items():
-            if name not in before:
-                delattr(traffic, name)
-            elif before[name] is not value:
-                setattr(traffic, name, before[name])
-            else:
-                continue
-            changes[name] = value
+        now = _parameters(vars(kind))
+        parameters.update(now)
+        for name in now.keys() - found.keys():
+            delattr(kind, name)
+        for name, value in found.items():
+            setattr(kind, name, value)
+
+
+def _parameters(attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """The parameters among the attributes of a class of highway-env."""
+    return {name: value for name, value in attributes.items() if name.isupper()}
+
+
+@cache
+def _written(kind: type) -> dict[str, Any]:
+    """A class's own parameters as its source says, if it is highway-env's; another's as they are."""
+    spec = find_spec(kind.__module__) if kind.__module__.startswith("highway_env.") else None
+    if spec is None or spec.loader is None:
+        return _parameters(vars(kind))
+    fresh = module_from_spec(spec)
+    spec.loader.exec_module(fresh)
+    return _parameters(vars(getattr(fresh, kind.__name__)))
 
 
 def build(scenario: HighwayScenario, seed: int, friction: float | None) -> tuple[Traffic, Route, Ego]:

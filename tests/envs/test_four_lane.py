@@ -24,6 +24,7 @@ from straight_road import (
 import vpf_sim  # noqa: F401 (registers the environment)
 from vpf_sim import scenarios
 from vpf_sim.envs.camera import weather as weathers
+from vpf_sim.envs.contacts import nearest
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.errors import InputError
 
@@ -55,6 +56,16 @@ def test_actions_are_shares_of_what_the_car_can_do() -> None:
 
 
 @pytest.mark.usefixtures("blind")
+@pytest.mark.usefixtures("blind")
+def test_the_nearest_object_is_the_one_of_the_last_step() -> None:
+    env = FourLane("crossing", rig=SMALL)
+    _, info = env.reset(seed=0)
+    for _ in range(3):
+        assert env.nearest == nearest(env.ego)
+        assert info["clearance_m"] == env.nearest[0] < inf
+        *_, info = env.step(FULL_AHEAD)
+
+
 @pytest.mark.parametrize("action", [[np.nan, 0.0], [0.0], [0.0, inf]])
 def test_action_must_be_two_finite_numbers(action: list[float]) -> None:
     env = FourLane(scenario(FAR), rig=SMALL)

@@ -9,7 +9,7 @@ from highway_env.road.road import Road
 from highway_env.vehicle.objects import Landmark
 
 from vpf_sim.envs.actor import STATIC_OBSTACLES
-from vpf_sim.envs.contacts import clearance, corners, distance, free_ahead
+from vpf_sim.envs.contacts import corners, distance, free_ahead, nearest
 from vpf_sim.envs.ego import Ego
 from vpf_sim.envs.road import build_road
 from vpf_sim.scenarios import load
@@ -33,25 +33,25 @@ def scene(*objects: tuple[ObjectKind, float, float, float], heading: float = 0.0
 
 
 def test_distance_bumper_to_bumper_side_to_side_and_corner_to_corner() -> None:
-    assert clearance(scene(("car", 30.0, 0.0, 0.0))) == pytest.approx(10.0 - 2.25 - 2.5)
-    assert clearance(scene(("car", 20.0, 3.0, 0.0))) == pytest.approx(3.0 - 0.95 - 1.0)
+    assert nearest(scene(("car", 30.0, 0.0, 0.0)))[0] == pytest.approx(10.0 - 2.25 - 2.5)
+    assert nearest(scene(("car", 20.0, 3.0, 0.0)))[0] == pytest.approx(3.0 - 0.95 - 1.0)
     corner = hypot(10.0 - 2.25 - 2.5, 4.0 - 0.95 - 1.0)
-    assert clearance(scene(("car", 30.0, 4.0, 0.0))) == pytest.approx(corner)
+    assert nearest(scene(("car", 30.0, 4.0, 0.0)))[0] == pytest.approx(corner)
     diamond = 10.0 - 2.25 - 0.2 * sqrt(2.0)  # a cone turned by 45 degrees shows a corner
-    assert clearance(scene(("cone", 30.0, 0.0, pi / 4.0))) == pytest.approx(diamond)
+    assert nearest(scene(("cone", 30.0, 0.0, pi / 4.0)))[0] == pytest.approx(diamond)
 
 
 def test_overlap_without_inside_corners_has_zero_distance() -> None:
-    assert clearance(scene(("barrier", 20.0, 0.0, 0.0))) == 0.0
-    assert clearance(scene(("cone", 20.5, 0.2, 0.3))) == 0.0
-    assert clearance(scene(("car", 24.7, 0.0, 0.0))) == 0.0
+    assert nearest(scene(("barrier", 20.0, 0.0, 0.0)))[0] == 0.0
+    assert nearest(scene(("cone", 20.5, 0.2, 0.3)))[0] == 0.0
+    assert nearest(scene(("car", 24.7, 0.0, 0.0)))[0] == 0.0
 
 
 def test_the_nearest_of_several_counts_and_landmarks_do_not() -> None:
     ego = scene(("truck", 60.0, 0.0, 0.0), ("cone", 20.0, -4.0, 0.0), ("car", 35.0, 1.0, 0.0))
     ego.road.objects.append(Landmark(ego.road, [20.0, 0.0]))
-    assert clearance(ego) == pytest.approx(4.0 - 0.95 - 0.2)
-    assert clearance(scene()) == inf
+    assert nearest(ego)[0] == pytest.approx(4.0 - 0.95 - 0.2)
+    assert nearest(scene())[0] == inf
 
 
 def test_rectangle_distance_matches_sampled_outlines() -> None:

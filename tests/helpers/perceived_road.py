@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from vpf_sim.envs.contacts import nearest
 from vpf_sim.envs.road import Carriageway
 from vpf_sim.evaluation.perception.scorer import DriveEvaluation, PerceptionScorer
 from vpf_sim.evaluation.steps import Step, StepTable
@@ -91,10 +92,10 @@ def drive(
             thing.place = (obj.x_m + obj.speed_mps * seconds, obj.y_m)
             thing.position = np.array(thing.place)
         x_m = seconds * SPEED_MPS
-        ego = SimpleNamespace(position=np.array([x_m, LANE_M]), heading=0.0, place=(x_m, LANE_M), road=road)
+        ego: Any = SimpleNamespace(position=np.array([x_m, LANE_M]), heading=0.0, place=(x_m, LANE_M), road=road)
         ego.LENGTH, ego.WIDTH = EGO_M
         ego.diagonal = float(np.hypot(*EGO_M))
-        world = SimpleNamespace(ego=ego, road=road)
+        world = SimpleNamespace(ego=ego, road=road, nearest=nearest(ego))
         scorer.add(row, _perception(see(x_m, seconds)), world, {"lane_offset_m": 0.0, "foe": FOE_PX})
     steps = StepTable.of([Step(row / RATE_HZ, *[0.0] * 7, np.inf) for row in range(rows)])
     name = f"road.{weather}.pid.{seed}"

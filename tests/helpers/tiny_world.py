@@ -22,6 +22,8 @@ class TinyWorld:
     speed_reference_mps = 5.0
     goal_m = (LENGTH_M, 0.0)
     route_length_m = LENGTH_M
+    nearest = (np.inf, None)
+    renderer = None
 
     def __init__(self, invalid_after: int | None = None) -> None:
         from vpf_sim.envs.road import Carriageway

@@ -15,7 +15,7 @@ from short_scenario import SHORT
 from vpf_sim import cli
 from vpf_sim.driver_interface import Command, DriverSetup, Observation
 from vpf_sim.envs.four_lane import FourLane
-from vpf_sim.envs.route import RoadLines
+from vpf_sim.envs.network import RoadLines
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.steps import Step, StepTable

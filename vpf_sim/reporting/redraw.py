@@ -8,12 +8,12 @@ from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass, field
 from math import isfinite
-from typing import Any
 
 from vpf_sim import drivers
 from vpf_sim.driver_interface import Command, Driver, Observation
 from vpf_sim.envs.contacts import solid_objects
 from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.envs.network import OnRoad
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.evaluation.episode.pose_playback import PosePlayback, rate_of
@@ -118,7 +118,7 @@ def scene_of(world: FourLane) -> Scene:
     return Scene(world.road.network.lines(), world.route.copy(), world.goal_m)
 
 
-def rectangle_of(obj: Any) -> Rectangle:
+def rectangle_of(obj: OnRoad) -> Rectangle:
     """The outline of an object of the environment."""
     x_m, y_m = (float(value) for value in obj.position)
     return Rectangle(x_m, y_m, float(obj.heading), float(obj.LENGTH), float(obj.WIDTH), str(obj.kind))

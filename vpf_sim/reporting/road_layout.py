@@ -8,7 +8,8 @@ import numpy as np
 
 from vpf_sim import scenarios
 from vpf_sim.envs.centre_line import ReferenceLine
-from vpf_sim.envs.route import RoadLines, Route
+from vpf_sim.envs.network import RoadLines
+from vpf_sim.envs.route import Route
 from vpf_sim.envs.world import World, build_world
 from vpf_sim.reporting.top_view import Rectangle
 from vpf_sim.scenarios import DrawnScenario, Scenario

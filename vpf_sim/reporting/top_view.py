@@ -5,7 +5,7 @@ from math import cos, sin
 
 import numpy as np
 
-from vpf_sim.envs.route import RoadLines
+from vpf_sim.envs.network import RoadLines
 from vpf_sim.planning.spacetime.motion import MotionPlan
 from vpf_sim.reporting.canvas import INK, SHADE, Canvas, Colour
 from vpf_sim.types import Bools, Camera, Floats, Force, Image, Plan

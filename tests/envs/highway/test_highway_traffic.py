@@ -2,7 +2,9 @@
 
 import subprocess
 import sys
+from collections.abc import Callable
 
+import gymnasium
 import numpy as np
 import pytest
 from highway_env.vehicle.behavior import AggressiveVehicle, IDMVehicle
@@ -67,6 +69,27 @@ def test_the_intersections_parameters_stay_with_its_own_cars(monkeypatch: pytest
     assert IDMVehicle.DISTANCE_WANTED == 11
     others = [vehicle for vehicle in here.road.vehicles if vehicle is not here.ego]
     assert {vehicle.DISTANCE_WANTED for vehicle in others} == {7}
+
+
+@pytest.mark.parametrize("when", ["before", "meanwhile"])
+def test_an_intersection_that_the_user_makes_changes_nothing(when: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It sets three parameters on the class of its cars, which `two-way-v0` and `intersection-v1` use as well."""
+
+    def states(name: str, disturb: Callable[[], object]) -> list[tuple[float, ...]]:
+        disturb() if when == "before" else None
+        env = FourLane(name, frames=False, rate_hz=20.0)
+        env.reset(seed=2)
+        disturb() if when == "meanwhile" else None
+        for _ in range(60):
+            env.advance(np.array([0.2, 0.0]))
+        return [(*vehicle.position.tolist(), vehicle.speed) for vehicle in env.road.vehicles]
+
+    names = ("two-way-v0", "intersection-v1")
+    alone = [states(name, lambda: None) for name in names]
+    for name in ("DISTANCE_WANTED", "COMFORT_ACC_MAX", "COMFORT_ACC_MIN"):  # to be as before after this test
+        monkeypatch.setattr(IDMVehicle, name, getattr(IDMVehicle, name))
+    assert [states(name, lambda: gymnasium.make("intersection-v1").reset(seed=0)) for name in names] == alone
+    assert IDMVehicle.DISTANCE_WANTED == 7, "the user's own environments keep what they have set"
 
 
 def test_cars_come_to_the_intersection_and_leave_it() -> None:

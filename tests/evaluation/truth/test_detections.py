@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from perceived_road import Thing
 
+from vpf_sim.envs.contacts import nearest
 from vpf_sim.envs.road import Carriageway
 from vpf_sim.evaluation.metrics import perception
 from vpf_sim.evaluation.metrics.perception import KINDS
@@ -38,8 +39,12 @@ def detections(*feet: tuple[float, float], identity: int = 1) -> Obstacles:
     return Obstacles(forward, right - 1.0, right + 1.0, some, some, np.arange(identity, identity + len(feet)))
 
 
+def world(ego: Any) -> Any:
+    return SimpleNamespace(ego=ego, road=ego.road, nearest=nearest(ego))
+
+
 def columns(scorer: DetectionScorer, road: Any, x: float, reported: Obstacles) -> dict[str, float]:
-    return scorer.columns(reported, box(road, x, 0.0, LENGTH_M, 1.9), road.network)
+    return scorer.columns(reported, world(box(road, x, 0.0, LENGTH_M, 1.9)))
 
 
 @pytest.mark.parametrize(
@@ -69,11 +74,9 @@ def test_a_detection_is_correct_if_its_foot_is_within_a_metre_and_a_half(
 def test_the_corridor_turns_with_the_road_and_not_with_the_car(road: Any) -> None:
     ego = box(road, 100.0, 0.0, LENGTH_M, 1.9)
     ego.heading = 0.3
-    found = DetectionScorer().columns(detections((20.0, -20.0 * np.tan(0.3))), ego, road.network)
+    found = DetectionScorer().columns(detections((20.0, -20.0 * np.tan(0.3))), world(ego))
     assert found["objects_wrong"] == 1, "straight ahead along the road"
-    assert DetectionScorer().columns(detections((20.0, 0.0)), ego, road.network)["objects_wrong"] == 0, (
-        "5.9 m to the right"
-    )
+    assert DetectionScorer().columns(detections((20.0, 0.0)), world(ego))["objects_wrong"] == 0, "5.9 m to the right"
 
 
 def test_a_false_positive_is_new_once(road: Any) -> None:
@@ -101,9 +104,9 @@ def test_an_object_is_met_once_with_its_first_confirmation_distance(road: Any) -
 def test_an_object_detected_from_the_next_lane_is_confirmed(road: Any) -> None:
     road.objects.append(box(road, 40.0, 4.0))
     scorer = DetectionScorer()
-    far = scorer.columns(detections((37.5 - 10.0, 4.0)), box(road, 10.0, 0.0, LENGTH_M, 1.9), road.network)
+    far = columns(scorer, road, 10.0, detections((37.5 - 10.0, 4.0)))
     assert (far["objects_right"], far["objects_wrong"]) == (0, 0), "4 m aside it is not in the corridor"
-    met = [scorer.columns(detections(), box(road, x, 2.0, LENGTH_M, 1.9), road.network) for x in (30.0, 35.2)]
+    met = [scorer.columns(detections(), world(box(road, x, 2.0, LENGTH_M, 1.9))) for x in (30.0, 35.2)]
     assert met[-1]["met_confirmed_m"] == 40.0 - 10.0 - 0.5 * (5.0 + LENGTH_M)
 
 

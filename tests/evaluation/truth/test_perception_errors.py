@@ -44,6 +44,7 @@ def scored(displacement_px: Floats, ttc_s: float, frames: int = 2, late: int = 0
     ego.heading = 0.0
     wall = Wall()
     env = SimpleNamespace(renderer=wall, camera=CAMERA, rate_hz=RATE_HZ, ego=ego, road=SimpleNamespace(network=network))
+    env.nearest = (np.inf, None)
     sight, made = PerceptionErrors(), perceived(displacement_px, ttc_s, frames)
     for k in range(40 + late):
         observation = Observation(np.zeros((1, 1, 3), np.uint8), k / RATE_HZ, k * STEP_M, 0.0, 0.0, 10.0, 0.0, (0, 0))

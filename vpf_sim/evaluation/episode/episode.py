@@ -6,13 +6,13 @@ from contextlib import closing
 from dataclasses import dataclass, replace
 from time import perf_counter
 from traceback import format_exc
-from typing import Any
 
 import numpy as np
 
 from vpf_sim import drivers, process_state
 from vpf_sim.driver_interface import Driver, DriverSetup, Observation
 from vpf_sim.envs.four_lane import TURNS, FourLane
+from vpf_sim.evaluation.environment import Environment, Observed
 from vpf_sim.evaluation.episode.log import FrameHasher, StepLog
 from vpf_sim.evaluation.episode.paired import matched, pid_without_obstacles
 from vpf_sim.evaluation.job import Job
@@ -79,7 +79,7 @@ def _run(job: Job, driver: drivers.DriverLike, watch: Watcher | None, inputs: Ru
 
 
 def roll_out(
-    env: Any,
+    env: Environment,
     driver: Driver,
     shadow: Driver,
     seed: int,
@@ -120,7 +120,7 @@ def roll_out(
     return Outcome(status, log.table(), info.get("collided_with"), frames.hexdigest(), traceback, invalid_frame)
 
 
-def setup_for(driver: Driver, env: Any, seed: int) -> DriverSetup:
+def setup_for(driver: Driver, env: Environment, seed: int) -> DriverSetup:
     """The driver's setup; route and world only with the privilege that it declares."""
     return DriverSetup(
         camera=env.camera,
@@ -134,7 +134,7 @@ def setup_for(driver: Driver, env: Any, seed: int) -> DriverSetup:
     )
 
 
-def read(observed: dict[str, Any]) -> Observation:
+def read(observed: Observed) -> Observation:
     """The driver's observation from the environment's; drivers never receive `info`."""
     x_m, y_m, yaw_rad, speed_mps, yaw_rate_radps = observed["ego"].tolist()
     goal_x_m, goal_y_m = observed["goal"].tolist()

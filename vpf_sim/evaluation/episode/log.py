@@ -6,10 +6,11 @@ from math import hypot, nan
 from queue import SimpleQueue
 from threading import Thread
 from types import TracebackType
-from typing import Any
 
 from vpf_sim.driver_interface import Command, Observation
-from vpf_sim.envs.contacts import corners, nearest, solid_objects
+from vpf_sim.envs.contacts import corners, solid_objects
+from vpf_sim.envs.network import OnRoad
+from vpf_sim.evaluation.environment import FilmedSurroundings, Info
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.truth import surroundings
 from vpf_sim.evaluation.truth.perception_errors import PerceptionErrors
@@ -30,12 +31,12 @@ class StepLog:
         self._perception_errors = PerceptionErrors()
 
     @timed("log")
-    def observe(self, observation: Observation, info: dict[str, Any], env: Any, used: bool) -> None:
+    def observe(self, observation: Observation, info: Info, env: FilmedSurroundings, used: bool) -> None:
         """Add a row with the true state and the ground truth; `used` is whether the driver uses this frame."""
         observation = _with_true_state(observation, info)
         ego, network = env.ego, env.road.network
         self._perception_errors.observe(observation, env)
-        others, (_, near) = solid_objects(ego), nearest(ego)
+        others, (_, near) = solid_objects(ego), env.nearest
         lanes = network.lane_use(corners(ego), ego.place[0])
         true_left_m, true_right_m = surroundings.true_edges(ego, network)
         true_foe_x_px, true_foe_y_px = info.get("foe", NO_FOE_PX)
@@ -89,7 +90,7 @@ class StepLog:
         return StepTable.of(self._steps)
 
 
-def _with_true_state(observation: Observation, info: dict[str, Any]) -> Observation:
+def _with_true_state(observation: Observation, info: Info) -> Observation:
     """The observation with the true state instead of the sensors' values."""
     if "ego" not in info:
         return observation
@@ -98,7 +99,7 @@ def _with_true_state(observation: Observation, info: dict[str, Any]) -> Observat
     return replace(observation, **state)
 
 
-def _nearest(ego: Any, near: Any) -> dict[str, float]:
+def _nearest(ego: OnRoad, near: OnRoad) -> dict[str, float]:
     """The columns of the nearest object."""
     return {
         "near_bearing_rad": surroundings.bearing_rad(ego, near),

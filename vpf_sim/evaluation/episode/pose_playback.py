@@ -3,12 +3,12 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
-from typing import Any
 
 import numpy as np
 
 from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.envs.four_lane import FourLane
+from vpf_sim.evaluation.environment import Info, Observed
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import StepTable
@@ -25,9 +25,9 @@ class Played:
     """One frame of a playback: what `reset` or `step` returned."""
 
     index: int  # the row of the step table
-    observed: dict[str, Any]
+    observed: Observed
     reward: float  # of the step before; 0 at the reset
-    info: dict[str, Any]
+    info: Info
 
 
 class PosePlayback(FourLane):

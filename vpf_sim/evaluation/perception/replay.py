@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from vpf_sim import drivers
 from vpf_sim.driver_interface import Driver, Observation
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import pool, steps
+from vpf_sim.evaluation.environment import Info
 from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.evaluation.episode.pose_playback import TOLERANCE, PosePlayback
 from vpf_sim.evaluation.metrics.records import Record
@@ -66,7 +67,7 @@ def _evaluate(names: Sequence[str], drive: StoredDrive) -> list[DriveEvaluation]
     perceivers = [drivers.create(name) for name in names]
     with closing(PosePlayback.of(record, table, RunInputs(drive.folder), truth=("foe",))) as world:
 
-        def show(row: int, perceptions: Sequence[Perception], info: dict[str, Any]) -> None:
+        def show(row: int, perceptions: Sequence[Perception], info: Info) -> None:
             for scorer, perception in zip(scorers, perceptions, strict=True):
                 scorer.add(row, perception, world, info)
 
@@ -97,7 +98,7 @@ def perceive_drive(
     table: StepTable,
     seed: int,
     perceivers: dict[str, Driver],
-    show: Callable[[int, Sequence[Perception], dict[str, Any]], None],
+    show: Callable[[int, Sequence[Perception], Info], None],
 ) -> None:
     """Let drivers perceive the frames of a drive, up to the last with a command.
 

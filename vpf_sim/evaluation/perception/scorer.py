@@ -2,10 +2,12 @@
 
 from dataclasses import dataclass, field
 from math import nan
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from vpf_sim.envs.network import OnRoad
+from vpf_sim.evaluation.environment import Info, Surroundings
 from vpf_sim.evaluation.episode.log import NO_FOE_PX, perceived
 from vpf_sim.evaluation.metrics.perception import KINDS
 from vpf_sim.evaluation.steps import StepTable
@@ -73,11 +75,11 @@ class PerceptionScorer:
         self.columns = {name: np.full(self.rows, nan) for name in SCORED_COLUMNS}
         self.lane_error_m = np.full(self.rows, nan)
 
-    def add(self, row: int, perception: Perception, world: Any, info: dict[str, Any]) -> None:
+    def add(self, row: int, perception: Perception, world: Surroundings, info: Info) -> None:
         """Score a perception against the environment at that frame; `info` has the true `foe`."""
         ego, network = world.ego, world.road.network
         truth = (*info.get("foe", NO_FOE_PX), *surroundings.true_edges(ego, network))
-        objects = self._detection_scorer.columns(perception.obstacles, ego, network)
+        objects = self._detection_scorer.columns(perception.obstacles, world)
         for name, value in (dict(zip(TRUE, truth, strict=True)) | perceived(perception) | objects).items():
             self.columns[name][row] = value
         if perception.road.lane_confidence > 0.0:
@@ -89,7 +91,7 @@ class PerceptionScorer:
             if detection.in_corridor
         ]
 
-    def _truth(self, detection: Detection, perception: Perception, ego: Any) -> tuple[float, ...]:
+    def _truth(self, detection: Detection, perception: Perception, ego: OnRoad) -> tuple[float, ...]:
         if not detection.owners:
             return 0.0, float(detection.is_new), nan, nan, nan, nan, nan
         errors = detections.errors(detection, self._detection_scorer.detections, perception.obstacles, ego)

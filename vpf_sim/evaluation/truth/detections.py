@@ -16,12 +16,13 @@ from collections import deque
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import cos, hypot, nan, sin
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from vpf_sim.envs.contacts import corners, nearest, solid_objects, to_local
-from vpf_sim.envs.route import Network
+from vpf_sim.envs.contacts import corners, solid_objects, to_local
+from vpf_sim.envs.network import Network, OnRoad
+from vpf_sim.evaluation.environment import Surroundings
 from vpf_sim.evaluation.metrics.perception import KINDS
 from vpf_sim.types import Obstacles
 
@@ -37,8 +38,8 @@ class Detection:
     index: int  # row in the driver's obstacles
     ahead_m: float  # along the road from the front bumper to its foot
     in_corridor: bool
-    owners: tuple[Any, ...]  # objects within FOOT_M of its foot, nearest first; empty for a false positive
-    passed: tuple[Any, ...]  # objects of a row whose centres lie behind its face
+    owners: tuple[OnRoad, ...]  # objects within FOOT_M of its foot, nearest first; empty for a false positive
+    passed: tuple[OnRoad, ...]  # objects of a row whose centres lie behind its face
     is_new: bool  # a false positive that was not false before
 
 
@@ -47,17 +48,18 @@ class DetectionScorer:
 
     def __init__(self) -> None:
         self.detections: list[Detection] = []  # of the last frame
-        self._confirmed_m: dict[Any, float] = {}  # by object: bumper to face at its first confirmation
-        self._ahead: set[Any] = set()  # objects
+        self._confirmed_m: dict[OnRoad, float] = {}  # by object: bumper to face at its first confirmation
+        self._ahead: set[OnRoad] = set()  # objects
         self._wrong: set[int] = set()  # identities of detections
         self._met: deque[tuple[float, float]] = deque()
 
-    def columns(self, reported: Obstacles, ego: Any, network: Network) -> dict[str, float]:
+    def columns(self, reported: Obstacles, world: Surroundings) -> dict[str, float]:
         """Step-table columns: correct, false and new false detections in the corridor, an object met, and the nearest.
 
         `met_kind` is the object's index in KINDS, `met_confirmed_m` the distance of its first confirmation, nan if
         never. Of several objects met in one frame, the others follow in the next frames.
         """
+        ego, network, (_, near) = world.ego, world.road.network, world.nearest
         objects = solid_objects(ego)
         self.detections = [self._matched(reported, *foot, ego, objects) for foot in self._feet(reported, ego, network)]
         for detection in self.detections:
@@ -68,10 +70,9 @@ class DetectionScorer:
         counted = [detection for detection in self.detections if detection.in_corridor]
         right = sum(bool(detection.owners) for detection in counted)
         wrong_m = [detection.ahead_m for detection in counted if not detection.owners]
-        _, near = nearest(ego)
         return {
             "wrong_ahead_m": min(wrong_m, default=nan),
-            "near_confirmed_m": self._confirmed_m.get(near, nan),
+            "near_confirmed_m": nan if near is None else self._confirmed_m.get(near, nan),
             "near_sticks_out_m": nan if near is None else self._sticks_out_m(reported, ego, near),
             "objects_right": right,
             "objects_wrong": len(counted) - right,
@@ -80,7 +81,7 @@ class DetectionScorer:
             "met_confirmed_m": confirmed_m,
         }
 
-    def _sticks_out_m(self, reported: Obstacles, ego: Any, obj: Any) -> float:
+    def _sticks_out_m(self, reported: Obstacles, ego: OnRoad, obj: OnRoad) -> float:
         """How far an object reaches beyond all that is reported of it, m; nan where nothing is."""
         own = [one.index for one in self.detections if obj in one.owners or obj in one.passed]
         if not own:
@@ -96,8 +97,8 @@ class DetectionScorer:
         foot: tuple[float, float],
         ahead_m: float,
         in_corridor: bool,
-        ego: Any,
-        objects: list[Any],
+        ego: OnRoad,
+        objects: list[OnRoad],
     ) -> Detection:
         gaps_m = [(_gap_m(obj, foot), obj) for obj in objects]
         owners = [obj for gap_m, obj in sorted(gaps_m, key=lambda pair: pair[0]) if gap_m <= FOOT_M]
@@ -108,7 +109,7 @@ class DetectionScorer:
         return Detection(index, ahead_m, in_corridor, tuple(owners), tuple(passed), is_new)
 
     def _feet(
-        self, reported: Obstacles, ego: Any, network: Network
+        self, reported: Obstacles, ego: OnRoad, network: Network
     ) -> list[tuple[int, tuple[float, float], float, bool]]:
         """Index, foot in the world, distance ahead (m) and corridor flag of each detection ahead of the bumper."""
         feet = []
@@ -122,7 +123,7 @@ class DetectionScorer:
                 feet.append((index, foot, ahead_m, abs(foot_lateral - lateral) <= CORRIDOR_M))
         return feet
 
-    def _meet(self, ego: Any, objects: list[Any]) -> None:
+    def _meet(self, ego: OnRoad, objects: list[OnRoad]) -> None:
         """Queue the objects in the corridor that the bumper reaches in this frame."""
         for obj in objects:
             ahead_m = _ahead_m(ego, obj)
@@ -134,7 +135,7 @@ class DetectionScorer:
                     self._met.append((float(KINDS.index(obj.kind)), self._confirmed_m.get(obj, nan)))
 
 
-def _passed(reported: Obstacles, index: int, ego: Any, objects: list[Any]) -> list[Any]:
+def _passed(reported: Obstacles, index: int, ego: OnRoad, objects: list[OnRoad]) -> list[OnRoad]:
     """The objects whose centres lie behind a detection's face, with the face within FOOT_M of their outline."""
     face, left, right = (float(side[index]) for side in (reported.forward_m, reported.left_m, reported.right_m))
     passed = []
@@ -145,19 +146,19 @@ def _passed(reported: Obstacles, index: int, ego: Any, objects: list[Any]) -> li
     return passed
 
 
-def _in_world(ego: Any, forward: float, right: float) -> tuple[float, float]:
+def _in_world(ego: OnRoad, forward: float, right: float) -> tuple[float, float]:
     """World coordinates, m, of a point in the ego's axes."""
     x, y = ego.position.tolist()
     cosine, sine = cos(ego.heading), sin(ego.heading)
     return x + cosine * forward - sine * right, y + sine * forward + cosine * right
 
 
-def _ahead_m(ego: Any, obj: Any) -> float:
+def _ahead_m(ego: OnRoad, obj: OnRoad) -> float:
     """Distance, m, along the road from the front bumper to an object's nearest face."""
     return float(obj.place[0] - ego.place[0] - 0.5 * (obj.LENGTH + ego.LENGTH))
 
 
-def _gap_m(obj: Any, point: tuple[float, float]) -> float:
+def _gap_m(obj: OnRoad, point: tuple[float, float]) -> float:
     """Distance, m, from a point to an object's outline; 0 inside."""
     ((along, right),) = to_local(obj, [point])
     return hypot(max(abs(along) - 0.5 * obj.LENGTH, 0.0), max(abs(right) - 0.5 * obj.WIDTH, 0.0))
@@ -180,7 +181,7 @@ class ExtentErrors(NamedTuple):
     speed_mps: float  # nan where both detected and true speed are 0
 
 
-def errors(detection: Detection, detections: Iterable[Detection], reported: Obstacles, ego: Any) -> ExtentErrors:
+def errors(detection: Detection, detections: Iterable[Detection], reported: Obstacles, ego: OnRoad) -> ExtentErrors:
     """Errors of a correct detection; `detections` are all of its frame."""
     k, true, obj = detection.index, true_extent(detection, detections, ego), detection.owners[0]
     speed_mps, seen_mps = float(obj.speed), float(reported.speed_mps[k])
@@ -192,14 +193,14 @@ def errors(detection: Detection, detections: Iterable[Detection], reported: Obst
     )
 
 
-def true_extent(detection: Detection, detections: Iterable[Detection], ego: Any) -> Extent:
+def true_extent(detection: Detection, detections: Iterable[Detection], ego: OnRoad) -> Extent:
     """Extent of the nearest object and of the objects of its row that no other detection matches."""
     taken = {id(other.owners[0]) for other in detections if other.owners}
     objects = [detection.owners[0], *(obj for obj in detection.passed if id(obj) not in taken)]
     return _union([near_end(obj, ego) for obj in objects])
 
 
-def near_end(obj: Any, ego: Any) -> Extent:
+def near_end(obj: OnRoad, ego: OnRoad) -> Extent:
     """The extent of an object's face towards the ego."""
     front_left, front_right, rear_right, rear_left = to_local(ego, corners(obj))
     runs_away = cos(obj.heading - ego.heading) >= 0.0

@@ -3,12 +3,11 @@
 from collections.abc import Iterable
 from math import atan2, cos, hypot, inf, nan, pi, radians, sin
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
 from vpf_sim.envs.contacts import distance, to_local
-from vpf_sim.envs.route import Network
+from vpf_sim.envs.network import Network, OnRoad, Outline
 from vpf_sim.types import RoadEdges, VehicleModel
 
 BEFORE_M, AFTER_M = 25.0, 15.0  # the part of a route that counts as passing an obstacle
@@ -20,12 +19,12 @@ AHEAD_RAD, BEHIND_RAD = radians(30.0), radians(150.0)  # nuPlan's
 REAR_AXLE_M = VehicleModel().l_r_m  # behind the pose
 
 
-def is_passing(ego: Any, others: Iterable[Any]) -> bool:
+def is_passing(ego: OnRoad, others: Iterable[OnRoad]) -> bool:
     """Whether the ego is between 25 m before and 15 m after an object along the road."""
     return any(-AFTER_M <= obj.place[0] - ego.place[0] <= BEFORE_M for obj in others)
 
 
-def time_to_collision(ego: Any, others: Iterable[Any], in_lane: bool) -> float:
+def time_to_collision(ego: OnRoad, others: Iterable[OnRoad], in_lane: bool) -> float:
     """Time, s, until the ego touches an object that nuPlan counts, at constant velocities; inf if never.
 
     Source: nuplan-devkit, evaluation_metrics/common/time_to_collision_within_bound.py. An object counts if its bearing
@@ -38,7 +37,7 @@ def time_to_collision(ego: Any, others: Iterable[Any], in_lane: bool) -> float:
     return min((contact_s(ego, obj) for obj in others if abs(bearing_rad(ego, obj)) < widest), default=inf)
 
 
-def contact_s(ego: Any, obj: Any) -> float:
+def contact_s(ego: OnRoad, obj: OnRoad) -> float:
     """Time, s, until two rectangles touch at constant velocities and headings; inf if never.
 
     Separating axes: two rectangles overlap if their projections overlap on each of the four side normals. On each
@@ -60,25 +59,25 @@ def contact_s(ego: Any, obj: Any) -> float:
     return start if start < end else inf
 
 
-def _half_projection(obj: Any, direction: float) -> float:
+def _half_projection(obj: Outline, direction: float) -> float:
     turned = direction - obj.heading
     return float(0.5 * (obj.LENGTH * abs(cos(turned)) + obj.WIDTH * abs(sin(turned))))
 
 
-def bearing_rad(ego: Any, obj: Any) -> float:
+def bearing_rad(ego: OnRoad, obj: OnRoad) -> float:
     """Bearing of an object's centre from the ego's rear axle, relative to its heading; + is right."""
     ((forward, right),) = to_local(ego, [tuple(obj.position.tolist())])
     return atan2(right, forward + REAR_AXLE_M)
 
 
-def bumper_gap_m(ego: Any, obj: Any) -> float:
+def bumper_gap_m(ego: OnRoad, obj: OnRoad) -> float:
     """Distance, m, from the ego's front bumper, a line, to an object."""
     front = 0.5 * ego.LENGTH * np.array([cos(ego.heading), sin(ego.heading)])
     bumper = SimpleNamespace(position=ego.position + front, heading=ego.heading, LENGTH=0.0, WIDTH=ego.WIDTH)
     return distance(bumper, obj)
 
 
-def free_width_m(ego: Any, others: Iterable[Any], network: Network) -> float:
+def free_width_m(ego: OnRoad, others: Iterable[OnRoad], network: Network) -> float:
     """Widest gap, m, between objects within BLOCKED_M ahead of the bumper, across the carriageway at the ego.
 
     nan where the road has no edges, as at a junction.
@@ -102,7 +101,7 @@ def free_width_m(ego: Any, others: Iterable[Any], network: Network) -> float:
     return widest if left < right else nan
 
 
-def true_edges(ego: Any, network: Network) -> tuple[float, float]:
+def true_edges(ego: OnRoad, network: Network) -> tuple[float, float]:
     """(left, right) offsets, m, of the carriageway's edges from the point AHEAD_M ahead of the ego; left < 0.
 
     nan where the road has no edge there, as at a junction.
@@ -110,12 +109,12 @@ def true_edges(ego: Any, network: Network) -> tuple[float, float]:
     return network.edges_at(*_ahead(ego), ego.heading)
 
 
-def true_lane(ego: Any, network: Network, offset_m: float) -> float:
+def true_lane(ego: OnRoad, network: Network, offset_m: float) -> float:
     """Offset, m, from that point to the centre of the lane that lies `offset_m` right of the reference line."""
     return offset_m - network.place_at(*_ahead(ego), ego.place[0] + AHEAD_M)[1]
 
 
-def _ahead(ego: Any) -> tuple[float, float]:
+def _ahead(ego: OnRoad) -> tuple[float, float]:
     """m, the point AHEAD_M ahead of the ego."""
     x, y = ego.position.tolist()
     return x + AHEAD_M * cos(ego.heading), y + AHEAD_M * sin(ego.heading)
