@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +11,7 @@ import pytest
 
 import vpf_sim
 from behaviour_cloning import scenes
-from behaviour_cloning.collect import LANE_M, Drive, collect, drive
-from behaviour_cloning.expert import Expert
+from behaviour_cloning.collect import LANE_M, Drive, Settings, collect, drive
 from vpf_sim import drivers
 from vpf_sim.drivers.learned.manifest import Crop, Manifest, PictureInput, StateInput
 from vpf_sim.envs.four_lane import FourLane
@@ -45,6 +43,11 @@ def learner(folder: Path, throttle: float, steering: float) -> Path:
     return policies.write(folder, policies.constant(throttle, steering), TOML, inputs=inputs)
 
 
+def settings(decisions: int, teacher: str = "pid", model: Path | None = None) -> Settings:
+    """The learner, if there is one, has the wheel all the time."""
+    return Settings(teacher, MANIFEST, decisions, 0.0 if model is None else 1.0, model)
+
+
 def test_scenes_follow_from_their_seeds_and_are_of_all_kinds() -> None:
     drawn = [scenes.draw(seed) for seed in range(80)]
     assert drawn == [scenes.draw(seed) for seed in range(80)]
@@ -54,22 +57,20 @@ def test_scenes_follow_from_their_seeds_and_are_of_all_kinds() -> None:
         assert bool(scene.scenario.draw(seed).bodies) == scene.has_obstacles or scene.has_obstacles
 
 
-def test_the_expert_is_idm_or_steers_as_pure_pursuit_on_an_empty_road() -> None:
-    env = FourLane("curve-left", frames=False)
-    observed, _ = env.reset(seed=3)
-    made = {name: drivers.create(name) for name in ("idm", "pure-pursuit")}
-    experts = {has_obstacles: Expert(has_obstacles) for has_obstacles in (True, False)}
-    for one in (*made.values(), *experts.values()):
-        one.reset(setup_for(one, env, 3))
-    observation = read(observed)
-    idm, pursuit = (one.act(observation) for one in made.values())
-    assert experts[True].act(observation) == idm
-    assert experts[False].act(observation) == replace(pursuit, throttle=idm.throttle)
-    assert idm.steering != pursuit.steering
+@pytest.mark.parametrize("teacher", ["pid", "expert"])
+def test_the_labels_are_what_the_teacher_does(teacher: str) -> None:
+    """In the first state, which both reach."""
+    found = drive((EMPTY_ROAD, settings(1, teacher)))
+    scene = scenes.draw(EMPTY_ROAD)
+    env, driver = FourLane(scene.scenario, scene.weather, frames=False), drivers.create(teacher)
+    observed, _ = env.reset(seed=EMPTY_ROAD)
+    driver.reset(setup_for(driver, env, EMPTY_ROAD))
+    command = driver.act(read(observed))
+    assert found.labels[0].tolist() == pytest.approx([command.throttle, command.steering])
 
 
 def test_a_drive_repeats_and_has_the_manifests_sizes() -> None:
-    first, second = (drive((EMPTY_ROAD, 0.0, None, MANIFEST, 12)) for _ in range(2))
+    first, second = (drive((EMPTY_ROAD, settings(12))) for _ in range(2))
     assert first.pictures.shape == (12, 1, 16, 32)
     assert first.states.shape == (12, 1)
     assert first.labels.shape == (12, 2)
@@ -77,28 +78,27 @@ def test_a_drive_repeats_and_has_the_manifests_sizes() -> None:
         assert (getattr(first, key) == getattr(second, key)).all()
 
 
-def test_the_expert_labels_what_the_learner_does_wrong(tmp_path: Path) -> None:
-    """A learner that turns right at once leaves its lane, while the expert steers more and more to the left."""
-    task = (EMPTY_ROAD, 1.0, learner(tmp_path, 0.0, 0.25), MANIFEST, 400)
-    found = drive(task)
+def test_the_teacher_labels_what_the_learner_does_wrong(tmp_path: Path) -> None:
+    """A learner that turns right at once leaves its lane, while the teacher steers more and more to the left."""
+    found = drive((EMPTY_ROAD, settings(400, "pure-pursuit", learner(tmp_path, 0.0, 0.25))))
     assert len(found) < 100, f"it ends where the car is {LANE_M} m off its lane"
     steering = found.labels[:, 1]
     assert steering[-10:].max() < -0.1
     assert (steering != 0.25).all()
 
 
-def test_a_drive_that_stands_for_long_ends(tmp_path: Path) -> None:
-    found = drive((EMPTY_ROAD, 1.0, learner(tmp_path, -1.0, 0.0), MANIFEST, 400))
+def test_a_drive_ends_where_the_learner_stands_for_long_and_the_teacher_would_drive(tmp_path: Path) -> None:
+    found = drive((EMPTY_ROAD, settings(400, model=learner(tmp_path, -1.0, 0.0))))
     assert len(found) < 100
     assert found.states[-1] == 0.0
-    assert found.labels[-1, 0] > 0.5, "the expert would drive on"
+    assert found.labels[-1, 0] > 0.5, "the teacher would drive on"
 
 
 def test_another_process_drives_the_same() -> None:
     seeds = range(EMPTY_ROAD, EMPTY_ROAD + 1)
-    found = [*collect(seeds, 0.0, None, MANIFEST, 4, workers=2)]
+    found = [*collect(seeds, settings(4), workers=2)]
     for seed, one in zip(seeds, found, strict=True):
-        alone = drive((seed, 0.0, None, MANIFEST, 4))
+        alone = drive((seed, settings(4)))
         assert (one.labels == alone.labels).all()
         assert (one.pictures == alone.pictures).all()
 
@@ -140,13 +140,58 @@ def test_the_network_does_not_answer_to_brightness_and_contrast() -> None:
     picture, speed = torch.rand(1, 3, 64, 160), torch.full((1, 1), 0.09)
     with torch.no_grad():
         one, other = network(picture, speed), network(2.0 * picture + 5.0, speed)
-    assert torch.allclose(one, other, atol=0.05)
+    for before, after in zip(one, other, strict=True):
+        assert torch.allclose(before, after, atol=0.05)
+
+
+def test_a_network_learns_to_say_where_the_teacher_is_random() -> None:
+    """Bright pictures' labels are noise of a known deviation, and dark pictures' are always the same."""
+    torch = pytest.importorskip("torch", reason="needs the extra learn")
+    from behaviour_cloning.fit import Decisions, answers, fit
+    from behaviour_cloning.network import Network
+
+    torch.manual_seed(0)
+    rng, count = np.random.default_rng(0), 600
+    noisy = np.arange(count) % 2 == 1
+    pictures = np.zeros((count, 1, 16, 16), np.uint8)
+    pictures[:, :, 8:, :] = np.where(noisy, 200, 20)[:, None, None, None]  # with the light below or above
+    pictures[:, :, :8, :] = np.where(noisy, 20, 200)[:, None, None, None]
+    labels = np.zeros((count, 2), np.float32)
+    labels[noisy, 1] = rng.choice([-0.1, 0.1], noisy.sum())
+    decisions = Decisions([Drive(pictures, np.zeros((count, 1), np.float32), labels, "running")], (0,))
+    network = Network(1, 16, 16)
+    [*fit(network, decisions, 30, 0)]
+    stated = answers(network, decisions).deviations
+    assert np.median(stated[noisy]) == pytest.approx(0.1 * 2.0**0.5, rel=0.4)
+    assert np.median(stated[~noisy]) < 0.02
+
+
+def test_the_errors_of_unsure_answers_are_compared_with_those_of_the_others() -> None:
+    pytest.importorskip("torch", reason="needs the extra learn")
+    from behaviour_cloning.fit import Answers, unsure_ratio
+
+    deviations = np.arange(20, dtype=np.float32)
+    errors = np.where(deviations >= 18.0, 0.6, 0.2).astype(np.float32)
+    assert unsure_ratio(Answers(errors, deviations)) == pytest.approx(3.0)
 
 
 def test_a_training_in_small_writes_a_policy_that_drives(tmp_path: Path) -> None:
     """And the exported model answers as the network does."""
     pytest.importorskip("torch", reason="needs the extra learn")
-    tiny = ["--rounds", "2", "--drives", "1", "--decisions", "40", "--epochs", "1", "--workers", "1"]
+    tiny = [
+        "--teacher",
+        "pid",
+        "--rounds",
+        "2",
+        "--drives",
+        "1",
+        "--decisions",
+        "40",
+        "--epochs",
+        "1",
+        "--workers",
+        "1",
+    ]
     command = [sys.executable, "-W", "ignore", EXAMPLES / "train_bc.py", "out", *tiny]
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
@@ -156,7 +201,10 @@ def test_a_training_in_small_writes_a_policy_that_drives(tmp_path: Path) -> None
     assert model.stat().st_size < 2e6
     driver = drivers.create(f"onnx:{model}")
     training = driver.manifest.training  # type: ignore[attr-defined]
+    assert training.expert == "pid"
+    assert len(training.curve) == 1 + 3
     assert training.seeds == "0:3"
     assert 0 < training.frames <= 3 * 40
     episode = vpf_sim.drive("straight", driver=f"onnx:{model}", seed=1)
     assert episode.status != "error", episode.error
+    assert episode.record["uncertainty"]["mean"] > 0.0

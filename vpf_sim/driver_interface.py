@@ -131,3 +131,7 @@ class Driver(Protocol):
     def trace(self) -> Plan | None:
         """The plan of the last step, for overlays and scores; None: it shows none."""
         return None
+
+    def uncertainty(self) -> float:
+        """How unsure the last command is: above 1 it calls itself unsure; nan: it does not say."""
+        return nan

@@ -1,4 +1,4 @@
-"""Training drives: expert and learner take turns at the wheel, the expert labels every decision."""
+"""Training drives: teacher and learner take turns at the wheel, the teacher labels every decision."""
 
 import gc
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from behaviour_cloning import scenes
-from behaviour_cloning.expert import Expert
+from vpf_sim import drivers
 from vpf_sim.driver_interface import Command, Driver, Observation
 from vpf_sim.drivers.learned.driver import OnnxDriver, shrink, state_vector
 from vpf_sim.drivers.learned.manifest import Manifest
@@ -23,9 +23,22 @@ from vpf_sim.types import Image, Singles
 
 TURN = (20, 120)  # decisions, before the wheel may pass to the other
 PUSH_SHARE, PUSH, PUSH_LENGTH = 0.03, 0.15, (6, 14)  # disturbances: how often one begins, steering, decisions
-STANDING_MPS, MOST_STANDING = 0.1, 30  # decisions at a standstill: a longer one teaches no more
+STANDING_MPS, MOST_STANDING = 0.1, 30  # decisions at a standstill while the teacher would drive: more teach no more
 LANE_M = 1.75  # off the lane's centre: in another lane, where on an empty road the learner shall stay
-Task = tuple[int, float, Path | None, Manifest, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """How a round's drives are driven."""
+
+    teacher: str  # a driver by name
+    manifest: Manifest  # of the learner
+    decisions: int  # of the longest drive
+    learner_share: float = 0.0  # of the turns at the wheel
+    model: Path | None = None  # of the learner; None where it has not learned anything yet
+
+
+Task = tuple[int, Settings]
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,45 +47,41 @@ class Drive:
 
     pictures: Image  # (T, channels of a frame, H, W)
     states: Singles  # (T, values)
-    labels: Singles  # (T, 2) throttle and steering of the expert
+    labels: Singles  # (T, 2) throttle and steering of the teacher
     status: str
 
     def __len__(self) -> int:
         return len(self.labels)
 
 
-def collect(
-    seeds: range, learner_share: float, model: Path | None, manifest: Manifest, decisions: int, workers: int
-) -> Iterator[Drive]:
-    """A drive for each seed, at most `decisions` long, in processes that drive side by side.
-
-    The learner has the wheel for `learner_share` of the turns.
-    """
-    tasks = [(seed, learner_share, model, manifest, decisions) for seed in seeds]
+def collect(seeds: range, settings: Settings, workers: int) -> Iterator[Drive]:
+    """A drive for each seed, in processes that drive side by side."""
     with limited_environment():
         pool = get_context("spawn").Pool(workers, limit_opencv)
     with pool:
-        yield from pool.imap(drive, tasks)
+        yield from pool.imap(drive, [(seed, settings) for seed in seeds])
 
 
 def drive(task: Task) -> Drive:
     """The drive of a task; all that is random follows from its seed."""
     gc.collect()  # the objects of the last environment reference each other
-    seed, learner_share, model, manifest, decisions = task
+    seed, settings = task
     scene, rng = scenes.draw(seed), stream(seed, "training drive")
-    asked: list[Driver] = [Expert(scene.has_obstacles), *([] if model is None else [OnnxDriver(model)])]
+    learner = [] if settings.model is None else [OnnxDriver(settings.model)]
+    asked: list[Driver] = [drivers.create(settings.teacher), *learner]
     with closing(FourLane(scene.scenario, scene.weather)) as env:
         observed, info = env.reset(seed=seed)
         for driver in asked:
             driver.reset(setup_for(driver, env, seed))
-        wheel, log = _Wheel(learner_share, rng), _Log(manifest)
-        repeat, standing = round(env.rate_hz / manifest.rate_hz), 0
-        while len(log) < decisions and standing < MOST_STANDING and _stays(info, scene):
+        wheel, log = _Wheel(settings.learner_share, rng), _Log(settings.manifest)
+        repeat, standing = round(env.rate_hz / settings.manifest.rate_hz), 0
+        while len(log) < settings.decisions and standing < MOST_STANDING and _stays(info, scene):
             observation = read(observed)
             commands = [driver.act(observation) for driver in asked]
             label, command = commands[0], wheel.next(commands[0], commands[-1])
             log.add(observation, label, command)
-            standing = standing + 1 if observation.speed_mps < STANDING_MPS else 0
+            is_stuck = observation.speed_mps < STANDING_MPS and label.throttle > 0.0
+            standing = standing + 1 if is_stuck else 0
             for tick in range(1, repeat + 1):
                 action = np.array([command.throttle, command.steering])
                 observed, _, terminated, truncated, info = env.step(action, with_frame=tick == repeat)
@@ -97,7 +106,7 @@ class _Wheel:
         self._turn, self._is_learners = 0, False
         self._push, self._pushed = 0.0, 0
 
-    def next(self, expert: Command, learner: Command) -> Command:
+    def next(self, teacher: Command, learner: Command) -> Command:
         """The command that is carried out."""
         if self._turn == 0:
             self._turn = int(self._rng.integers(*TURN))
@@ -107,7 +116,7 @@ class _Wheel:
             self._pushed = int(self._rng.integers(*PUSH_LENGTH))
             self._push = float(self._rng.uniform(-PUSH, PUSH))
         self._pushed = max(0, self._pushed - 1)
-        chosen = learner if self._is_learners else expert
+        chosen = learner if self._is_learners else teacher
         return Command(chosen.throttle, chosen.steering + (self._push if self._pushed else 0.0))
 
 
@@ -125,7 +134,7 @@ class _Log:
         return len(self._rows)
 
     def add(self, observation: Observation, label: Command, command: Command) -> None:
-        """A decision: what the policy gets, what the expert would do, and what is done."""
+        """A decision: what the policy gets, what the teacher would do, and what is done."""
         state = state_vector(observation, self._action, self._state)[0]
         self._rows.append((shrink(observation.image, self._image), state, [label.throttle, label.steering]))
         self._action = np.clip([command.throttle, command.steering], -1.0, 1.0)

@@ -23,7 +23,7 @@ def export(network: nn.Module, manifest: Manifest, model: Path) -> None:
         inputs,
         str(model),
         input_names=[manifest.image.input, manifest.state.input],
-        output_names=[manifest.output],
+        output_names=[*manifest.outputs.values()],
         opset_version=17,
         dynamo=False,
     )

@@ -2,19 +2,19 @@
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
 
 import numpy as np
 import torch
 from torch import Tensor
 
 from behaviour_cloning.collect import Drive
-from behaviour_cloning.network import Network
+from behaviour_cloning.network import SCALES, Network
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Integers, Singles
 
 BATCH = 128
 LEARNING_RATE, WEIGHT_DECAY = 2e-3, 1e-4
-THROTTLE_SCALE, STEERING_SCALE = 0.3, 0.05  # errors that count alike
 BRAKING_WEIGHT = 4.0  # by which a decision to brake fully counts more
 NOISE_VALUES, MOST_SMEAR_PX = 2_000_000, 12
 Batch = tuple[Tensor, Tensor, Tensor]
@@ -40,15 +40,19 @@ class Decisions:
         pictures /= 255.0
         return pictures.reshape(len(rows), -1, *pictures.shape[-2:])
 
+    def given(self, rows: Integers) -> tuple[Singles, Singles]:
+        """(B, values) the states and (B, 2) the teacher's commands of some decisions, as copies."""
+        return self._states[rows], self._labels[rows]
+
     def batches(self, rng: np.random.Generator) -> Iterator[Batch]:
         """Every decision once, in random order, half of them mirrored, with disturbed pictures."""
         order, disturbances = rng.permutation(len(self)), Disturbances(rng)
         for first in range(0, len(order) - BATCH // 2, BATCH):
             rows = order[first : first + BATCH]
-            pictures, labels = self.stacked(rows), self._labels[rows].copy()
+            pictures, (states, labels) = self.stacked(rows), self.given(rows)
             mirror(pictures, labels, rng.random(len(rows)) < 0.5)
             disturbances.apply(pictures)
-            yield torch.from_numpy(pictures), torch.from_numpy(self._states[rows]), torch.from_numpy(labels)
+            yield torch.from_numpy(pictures), torch.from_numpy(states), torch.from_numpy(labels)
 
 
 def mirror(pictures: Singles, labels: Singles, which: Bools) -> None:
@@ -103,17 +107,48 @@ def fit(network: Network, decisions: Decisions, epochs: int, seed: int) -> Itera
         for pictures, states, labels in ahead(decisions.batches(rng)):
             optimiser.zero_grad()
             pictures = pictures.to(memory_format=torch.channels_last)  # twice as fast
-            loss = loss_of(network(pictures, states), labels)
-            loss.backward()  # type: ignore[no-untyped-call]
+            loss, doubt = losses_of(*network(pictures, states), labels)
+            (loss + doubt).backward()  # type: ignore[no-untyped-call]
             optimiser.step()
             schedule.step()
             losses.append(loss.item())
         yield float(np.mean(losses))
 
 
-def loss_of(commands: Tensor, labels: Tensor) -> Tensor:
-    """Huber's loss of throttle and steering, each by its scale; braking is rare, so it counts more."""
-    scales = torch.tensor([THROTTLE_SCALE, STEERING_SCALE])
+def losses_of(commands: Tensor, deviations: Tensor, labels: Tensor) -> tuple[Tensor, Tensor]:
+    """Losses of the command, and of its deviation.
+
+    Huber's loss of throttle and steering, each by its scale; braking is rare, so it counts more. The deviation's is the
+    negative log-likelihood of the command's errors under Laplace's distribution, less a constant.
+    """
+    scales = torch.tensor(SCALES)
     losses = torch.nn.functional.smooth_l1_loss(commands / scales, labels / scales, reduction="none")
     weights = 1.0 + BRAKING_WEIGHT * labels[:, :1].clamp(-1.0, 0.0).abs()
-    return (weights * losses).mean()
+    errors, widths = (labels - commands).detach().abs() / scales, deviations / scales / 2.0**0.5
+    return (weights * losses).mean(), (errors / widths + widths.log()).mean()
+
+
+class Answers(NamedTuple):
+    """What the network answers to undisturbed pictures, for the steering of each decision."""
+
+    errors: Singles  # (T,) from the teacher's
+    deviations: Singles  # (T,) that it states
+
+
+def answers(network: Network, decisions: Decisions) -> Answers:
+    """The network's answers to all decisions."""
+    network.eval()
+    found = []
+    with torch.no_grad():
+        for first in range(0, len(decisions), BATCH):
+            rows = np.arange(first, min(first + BATCH, len(decisions)))
+            states, labels = decisions.given(rows)
+            command, deviation = network(torch.from_numpy(decisions.stacked(rows)), torch.from_numpy(states))
+            found.append(np.stack([np.abs(command.numpy() - labels)[:, 1], deviation.numpy()[:, 1]]))
+    return Answers(*np.concatenate(found, axis=1))
+
+
+def unsure_ratio(found: Answers, share: float = 0.1) -> float:
+    """The mean error of the most unsure share of the answers, divided by that of the others."""
+    unsure = found.deviations >= np.quantile(found.deviations, 1.0 - share)
+    return float(found.errors[unsure].mean() / found.errors[~unsure].mean())

@@ -2,6 +2,7 @@
 
 import re
 import sys
+from math import isnan
 from pathlib import Path
 
 import numpy as np
@@ -117,6 +118,56 @@ def test_the_state_is_that_of_the_environment_to_learn_in() -> None:
     state = policy_state(pose, ego.speed, ego.yaw_rate_radps, env.world.goal_m, action)
     np.testing.assert_allclose(observed["state"], state, atol=1e-6)
     assert len(STATE) == len(state)
+
+
+def unsure(folder: Path, uncertainty: str) -> Path:
+    policy = policies.unsure_as_the_picture_ends(0.25, 0.5)
+    manifest = f"{NO_STATE}[uncertainty]\n{uncertainty}\n"
+    return policies.write(folder, policy, manifest, inputs=[("image", (1, 1, 6, 8))], more_outputs=["deviation"])
+
+
+def test_a_policy_states_how_unsure_it_is_of_its_command(tmp_path: Path) -> None:
+    """The deviation of the steering, which is the picture's grey level here, by the limit of a quarter."""
+    driver = OnnxDriver(unsure(tmp_path, "limit = 0.25"))
+    driver.reset(SETUP)
+    assert isnan(driver.uncertainty()), "before the first decision"
+    stated = []
+    for level in (51, 153, 153, 153):
+        assert driver.act(frame(level)).steering == 0.5
+        stated.append(driver.uncertainty())
+    assert stated == pytest.approx([0.8, 0.8, 0.8, 2.4]), "held with the command"
+    driver.reset(SETUP)
+    assert isnan(driver.uncertainty())
+
+
+def test_the_record_keeps_how_unsure_a_policy_was(tmp_path: Path) -> None:
+    """Its deviation is between 0 and 1: always above a limit of a thousandth, never above one of 2."""
+    scores = []
+    for number, limit in enumerate((0.001, 2.0)):
+        (folder := tmp_path / str(number)).mkdir()
+        model = unsure(folder, f"limit = {limit}")
+        episode = vpf_sim.drive(write_short(folder), driver=f"onnx:{model}")
+        stated = episode.steps["uncertainty"].dropna()
+        assert episode.record["uncertainty"]["mean"] == pytest.approx(stated.mean())
+        scores.append(episode.record["uncertainty"])
+    assert [one["unsure_share"] for one in scores] == [1.0, 0.0]
+    assert scores[0]["max"] == pytest.approx(2000.0 * scores[1]["max"])
+
+
+def test_a_policy_that_states_nothing_has_no_uncertainty_in_its_record(constant: Path, tmp_path: Path) -> None:
+    episode = vpf_sim.drive(write_short(tmp_path), driver=f"onnx:{constant}")
+    assert episode.record["uncertainty"] == {"mean": None, "max": None, "unsure_share": None}
+
+
+def test_an_output_for_the_uncertainty_that_is_missing_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = unsure(tmp_path, 'limit = 0.25\noutput = "doubt"')
+    message = "uncertainty.output: expected an output of policy.onnx, 'action' or 'deviation', got 'doubt'"
+    assert_refused(path, f"{path.with_suffix('.toml')}: {message}", capsys)
+    same = 'limit = 0.25\noutput = "action"'
+    message = "uncertainty.output: expected another name than output, got 'action'"
+    assert_refused(unsure(tmp_path, same), f"{path.with_suffix('.toml')}: {message}", capsys)
 
 
 def test_a_frame_is_cropped_and_averaged() -> None:

@@ -37,12 +37,21 @@ def ends_of_the_picture() -> Parts:
     return [flat, helper.make_node("GatherElements", ["flat", "ends"], ["action"], axis=1)], [ends]
 
 
+def unsure_as_the_picture_ends(*action: float) -> Parts:
+    """A policy that always does the same, with the first and the last value of its picture as deviation."""
+    nodes, constants = constant(*action)
+    (flat, answer), ends = ends_of_the_picture()
+    answer.output[0] = "deviation"
+    return [*nodes, flat, answer], [*constants, *ends]
+
+
 def write(
     folder: Path,
     policy: Parts,
     manifest: str = MANIFEST,
     inputs: Sequence[tuple[str, Sequence[int | str]]] = (("image", IMAGE), ("state", STATE)),
     output: tuple[str, Sequence[int | str]] = ("action", (1, 2)),
+    more_outputs: Sequence[str] = (),
     kind: int = TensorProto.FLOAT,
     name: str = "policy",
     edit: Callable[[str], str] = str,
@@ -50,7 +59,8 @@ def write(
     """The model's file, with its manifest beside it."""
     nodes, constants = policy
     taken = [helper.make_tensor_value_info(one, kind, shape) for one, shape in inputs]
-    given = [helper.make_tensor_value_info(output[0], TensorProto.FLOAT, output[1])]
+    outputs = [output, *((one, (1, 2)) for one in more_outputs)]
+    given = [helper.make_tensor_value_info(one, TensorProto.FLOAT, shape) for one, shape in outputs]
     graph = helper.make_graph(nodes, "policy", taken, given, constants)
     model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=8)
     path = folder / f"{name}.onnx"

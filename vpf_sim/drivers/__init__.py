@@ -5,7 +5,7 @@ Naming the drivers loads none of them: planners and controllers are imported whe
 
 from vpf_sim.drivers.baselines import IdmDriver, NeutralDriver, RouteDriver
 from vpf_sim.drivers.own import DriverLike, OwnDriver, admit, is_importable, name_of
-from vpf_sim.drivers.protocol import command_of, needs_next_frame, perception_of, trace_of, uses_images
+from vpf_sim.drivers.protocol import command_of, needs_next_frame, perception_of, trace_of, uncertainty_of, uses_images
 from vpf_sim.drivers.registry import (
     KEYBOARD,
     MODEL_PREFIX,
@@ -44,5 +44,6 @@ __all__ = [
     "needs_next_frame",
     "perception_of",
     "trace_of",
+    "uncertainty_of",
     "uses_images",
 ]

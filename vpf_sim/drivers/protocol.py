@@ -63,6 +63,12 @@ def trace_of(driver: Driver) -> Plan | None:
     return plan if isinstance(plan, Plan) else None
 
 
+def uncertainty_of(driver: Driver) -> float:
+    """How unsure a driver is of its last command; nan where it does not say."""
+    uncertainty = getattr(driver, "uncertainty", None)
+    return nan if uncertainty is None else _number(uncertainty())
+
+
 def perception_of(driver: Driver, observation: Observation) -> Perception | None:
     """What a driver perceives: by its `perceive`, else by the plan that it makes; None if it shows neither."""
     _protect(observation)

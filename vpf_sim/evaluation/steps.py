@@ -76,6 +76,7 @@ class Step(NamedTuple):
     rejected_steering_rate: float = nan
     rejected_road_edge: float = nan
     rejected_collision: float = nan  # of those that were compared with the objects
+    uncertainty: float = nan  # that the driver states of its command; above 1 it calls itself unsure
 
 
 LATER = Step._fields[Step._fields.index("near_confirmed_m") :]  # runs of earlier versions lack them

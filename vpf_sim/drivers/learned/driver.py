@@ -3,6 +3,7 @@
 from collections import deque
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
+from math import nan
 from pathlib import Path
 
 import cv2
@@ -97,6 +98,7 @@ class OnnxDriver(Driver):
         self._familiarity = None if known is None else Familiarity(known)
         self._schedule = Schedule(1.0 / self.manifest.rate_hz, setup.rate_hz)
         self._action: Floats = np.zeros(2)
+        self._uncertainty = nan
 
     @property
     def needs_next_frame(self) -> bool:
@@ -107,10 +109,17 @@ class OnnxDriver(Driver):
         if self._schedule.step():
             inputs = self._inputs.at(observation, self._action)
             if inputs is not None:
-                self._action = np.clip(self._session.action(inputs), -1.0, 1.0)
+                action, *deviation = self._session.run(inputs)
+                self._action = np.clip(action, -1.0, 1.0)
+                if self.manifest.uncertainty is not None:
+                    self._uncertainty = float(deviation[0][1]) / self.manifest.uncertainty.limit
                 if self._familiarity is not None:
                     self._familiarity.add(self._inputs.newest, observation.speed_mps)
         return Command(*self._action.tolist())
+
+    def uncertainty(self) -> float:
+        """The steering's standard deviation by its limit; nan before the first decision, or if the model has none."""
+        return self._uncertainty
 
     def unlike_training(self) -> str:
         """What was unlike the training in most decisions, in one line; empty if nothing, or if nothing is known."""

@@ -77,6 +77,16 @@ class StateInput:
 
 
 @settings
+class Uncertainty:
+    """How the policy says that it is unsure."""
+
+    limit: float = setting("Standard deviation of the steering, -1 to 1, above which the policy is unsure.", gt=0.0)
+    output: str = setting(
+        "Name of the model's output, (1, 2): standard deviations of throttle and steering.", default="deviation"
+    )
+
+
+@settings
 class LearnedFrom:
     """What the inputs of the training were like, so that a replay can say where others are unlike them."""
 
@@ -103,6 +113,7 @@ class Training:
     command: str = setting("Command that trained the policy.", default="")
     commit: str = setting("Commit of the sources that trained the policy.", default="")
     expert: str = setting("Drivers that the policy was cloned from.", default="")
+    curve: tuple[float, ...] = setting("Loss after each epoch of the training.", default=())
     scenarios: tuple[str, ...] = setting("Scenarios that the policy was trained on.", default=())
     weathers: tuple[str, ...] = setting("Weathers that the policy was trained in.", default=())
     seeds: str = setting('Seeds of the training drives as "A:B", without B.', default="")
@@ -124,6 +135,7 @@ class Manifest:
     output: str = setting("Name of the model's output, (1, 2): throttle and steering.", default="action")
     image: PictureInput | None = setting("Picture that the model gets; without it no frames are drawn.", default=None)
     state: StateInput | None = setting("State vector that the model gets.", default=None)
+    uncertainty: Uncertainty | None = setting("How the policy says that it is unsure.", default=None)
     learned_from: LearnedFrom | None = setting("What the inputs of the training were like.", default=None)
     training: Training | None = setting("How the policy was trained.", default=None)
 
@@ -132,6 +144,14 @@ class Manifest:
             raise ValueError("expected at least one of [image] and [state]")
         if self.image is not None and self.state is not None and self.image.input == self.state.input:
             raise ValueError(f"state.input: expected another name than image.input, got '{self.state.input}'")
+        if self.uncertainty is not None and self.uncertainty.output == self.output:
+            raise ValueError(f"uncertainty.output: expected another name than output, got '{self.output}'")
+
+    @property
+    def outputs(self) -> dict[str, str]:
+        """Names of the outputs that are used, by their key in this file."""
+        deviation = {} if self.uncertainty is None else {"uncertainty.output": self.uncertainty.output}
+        return {"output": self.output, **deviation}
 
 
 def file_of(model: Path) -> Path:

@@ -153,19 +153,19 @@ class Session:
     """A model that maps a policy's inputs to its action, on one thread: equal inputs give equal actions."""
 
     def __init__(self, model: Path, manifest: Manifest) -> None:
-        self._output = manifest.output
+        self._outputs = [*manifest.outputs.values()]
         content = _content(model)
         self._session = _opened(model, content)
         faults = [*_faults(self._session, manifest, model)]
-        if operators := random_operators(content, manifest.output):
+        used = [one for output in self._outputs for one in random_operators(content, output)]
+        if operators := [*dict.fromkeys(used)]:
             faults.append(f"{model}: {SURE}, got the random operator {', '.join(operators[:MOST_LISTED])}")
         if faults:
             raise InputError("\n".join(faults))
 
-    def action(self, inputs: dict[str, Singles]) -> Floats:
-        """(2,) throttle and steering."""
-        action: Floats = self._session.run([self._output], inputs)[0][0].astype(float)
-        return action
+    def run(self, inputs: dict[str, Singles]) -> list[Floats]:
+        """(2,) throttle and steering, then (2,) their standard deviations where the manifest names them."""
+        return [found[0].astype(float) for found in self._session.run(self._outputs, inputs)]
 
 
 def _content(model: Path) -> bytes:
@@ -209,13 +209,14 @@ def _faults(session: Any, manifest: Manifest, model: Path) -> Iterator[str]:
     if len(inputs) > len(ours):
         yield f"{toml}: expected [image] or [state] for each input of {model.name}, got none for {_named(unused)}"
     outputs = {one.name: one for one in session.get_outputs()}
-    if manifest.output not in outputs:
-        yield f"{toml}: output: expected an output of {model.name}, {_named(outputs)}, got '{manifest.output}'"
-        return
-    action = outputs[manifest.output]
-    if action.type != FLOAT or not _fits(action.shape, ACTION):
-        wanted = f"{FLOAT} of shape {_shape(ACTION)}, throttle and steering"
-        yield f"{model}: output '{action.name}': expected {wanted}, got {action.type} of {_shape(action.shape)}"
+    for key, name in manifest.outputs.items():
+        if name not in outputs:
+            yield f"{toml}: {key}: expected an output of {model.name}, {_named(outputs)}, got '{name}'"
+            continue
+        tensor = outputs[name]
+        if tensor.type != FLOAT or not _fits(tensor.shape, ACTION):
+            wanted = f"{FLOAT} of shape {_shape(ACTION)}, throttle and steering"
+            yield f"{model}: output '{name}': expected {wanted}, got {tensor.type} of {_shape(tensor.shape)}"
 
 
 def _fits(actual: Sequence[Any], expected: Sequence[int]) -> bool:

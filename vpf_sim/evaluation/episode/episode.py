@@ -104,7 +104,8 @@ def roll_out(
                     frames.add(observation.image)
                 log.observe(observation, info, env, uses_frame)
                 command = drivers.command_of(driver, observation)
-                log.act(command, shadow.act(observation), plan := drivers.trace_of(driver))
+                plan, uncertainty = drivers.trace_of(driver), drivers.uncertainty_of(driver)
+                log.act(command, shadow.act(observation), plan, uncertainty)
                 if watch is not None:
                     watch(observation.image, plan)
                 tick()

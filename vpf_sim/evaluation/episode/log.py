@@ -65,13 +65,14 @@ class StepLog:
             )
         )
 
-    def act(self, command: Command, pid: Command, plan: Plan | None) -> None:
-        """Complete the row with the driver's command, the PID's, and the perception."""
+    def act(self, command: Command, pid: Command, plan: Plan | None, uncertainty: float = nan) -> None:
+        """Complete the row with the driver's command and how unsure it is, the PID's command, and the perception."""
         self._steps[-1] = self._steps[-1]._replace(
             throttle=command.throttle,
             steering=command.steering,
             pid_throttle=pid.throttle,
             pid_steering=pid.steering,
+            uncertainty=uncertainty,
             **({} if plan is None else self._planned(plan)),
         )
 

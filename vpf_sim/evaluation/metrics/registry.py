@@ -43,6 +43,14 @@ def _perception(driven: Driven) -> dict[str, object]:
     }
 
 
+def uncertainty(table: StepTable) -> dict[str, float | None]:
+    """Mean and largest uncertainty that the driver states, and its share of unsure states; None of a driver without."""
+    stated = table.uncertainty[np.isfinite(table.uncertainty)]
+    if not len(stated):
+        return {"mean": None, "max": None, "unsure_share": None}
+    return {"mean": stated.mean(), "max": stated.max(), "unsure_share": np.mean(stated > 1.0)}
+
+
 def _off_lane(table: StepTable) -> float:
     return collision.off_lane_share(table.route_m, table.outside)
 
@@ -336,6 +344,7 @@ TABLES = (  # of scores
     Measure("comfort", lambda driven: comfort.comfort(driven.table), "nothing"),
     Measure("chattering", lambda driven: comfort.chattering(driven.table)),
     Measure("perception", _perception),
+    Measure("uncertainty", lambda driven: uncertainty(driven.table), "nothing"),
 )
 MEASURES: tuple[Measure, ...] = (*(metric for metric in METRICS if metric.of), *TABLES)
 
