@@ -175,9 +175,23 @@ def test_an_edited_scenario_is_found(run: Path, capsys: pytest.CaptureFixture[st
     assert found["quantity"] == f"scenario {NAME}"
 
 
-def test_removed_steps_cannot_be_verified(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_without_steps_every_episode_is_to_be_driven_again(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     shutil.rmtree(run / "steps")
-    assert verified(run, capsys)["mismatch"]["quantity"] == "steps"
+    found = verified(run, capsys, "--seed", "1")["mismatch"]
+    assert found["quantity"] == "steps"
+    assert "--share 1" in found["cause"]
+    assert verified(run, capsys, "--share", "1")["ok"]
+    edited(run, JOBS[0], lambda row: row.update(path_mse_m2=0.001))
+    (run / "summary.json").unlink()
+    found = verified(run, capsys, "--share", "1")["mismatch"]
+    assert (found["episode"], found["quantity"], found["stored"]) == (JOBS[0].id, "path_mse_m2", 0.001)
+
+
+def test_the_answer_names_the_records_that_it_is_of(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = verified(run, capsys, "--share", "0")["records_sha256"]
+    assert before == sha256((run / "episodes.jsonl").read_bytes()).hexdigest()
+    edited(run, JOBS[0], lambda row: row.update(path_mse_m2=0.001))
+    assert verified(run, capsys, "--share", "0")["records_sha256"] != before
 
 
 def test_the_sample_is_that_of_its_seed_and_has_one_episode_at_least() -> None:

@@ -44,7 +44,7 @@ def first_difference(path: Path, job: Job) -> Mismatch | None:
     (record,) = (one for one in run.records if one.id == job.id)
     found = _driven(run.inputs, job)
     other = other_maker(run.manifest, record, fingerprint())
-    if record.states_sha256 is not None and len(found.steps):
+    if record.states_sha256 is not None and len(found.steps) and run.steps_file(record.id).exists():
         stored = steps.read(run.steps_file(record.id))
         if (place := _first_place(stored, found.steps)) is not None:
             row, name = place

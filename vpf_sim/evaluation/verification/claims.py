@@ -1,10 +1,10 @@
 """What a run folder says, held against itself: its plan, its steps, its scores and its summary.
 
-Nothing is driven. Every stored episode is checked.
+Nothing is driven. Every stored episode is checked; one that will be driven again needs no stored steps.
 """
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from hashlib import sha256
 
 from vpf_sim.envs.ending import STANDING_MPS
@@ -23,14 +23,15 @@ from vpf_sim.evaluation.verification.run import Run
 
 WHOLE = 0.98  # share of the route, in its own steps, of an episode that reached a goal
 EDITED = "an edited record"
+REMOVED = "removed steps, without which every episode has to be driven again (--share 1)"
 
 
-def mismatches(run: Run) -> Iterator[Mismatch]:
-    """Everything in the folder that contradicts the rest of it."""
+def mismatches(run: Run, driven: Collection[str] = ()) -> Iterator[Mismatch]:
+    """Everything in the folder that contradicts the rest of it; `driven` are the episodes to be driven again."""
     yield from _plan(run)
     yield from _inputs(run)
     for record in run.records:
-        yield from _record(run, record)
+        yield from _record(run, record, needs_steps=record.id not in driven)
     yield from _summary(run)
 
 
@@ -59,14 +60,15 @@ def _inputs(run: Run) -> Iterator[Mismatch]:
                 yield Mismatch("", None, f"{kind[:-1]} {name}", before, after, cause)
 
 
-def _record(run: Run, record: Record) -> Iterator[Mismatch]:
+def _record(run: Run, record: Record, needs_steps: bool) -> Iterator[Mismatch]:
     """The scores of a record follow from its steps, and its ending is possible after them."""
-    if record.states_sha256 is None:
+    file = run.steps_file(record.id)
+    if record.states_sha256 is None or not (needs_steps or file.exists()):
         return
     try:
-        table = steps.read(run.steps_file(record.id))
+        table = steps.read(file)
     except InputError as error:
-        yield Mismatch(record.id, None, "steps", "a file", str(error), "removed steps; expected all for a verification")
+        yield Mismatch(record.id, None, "steps", "a file", str(error), REMOVED)
         return
     found = sha256(table.states()).hexdigest()
     if found != record.states_sha256:

@@ -3,6 +3,7 @@
 import json
 from dataclasses import dataclass
 from functools import cached_property
+from hashlib import sha256
 from pathlib import Path
 
 from vpf_sim.errors import InputError
@@ -14,7 +15,7 @@ from vpf_sim.evaluation.sweeps.manifest import Manifest, read_manifest, stored_p
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import read_records
 
-SUMMARY = "summary.json"
+SUMMARY, RECORDS = "summary.json", "episodes.jsonl"
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,11 @@ class Run:
     def jobs(self) -> list[Job]:
         """The planned episodes, sorted by id."""
         return sorted(self.plan.jobs(), key=lambda job: job.id)
+
+    @property
+    def records_sha256(self) -> str:
+        """The hash of the records' file, which says what was verified."""
+        return sha256((self.path / RECORDS).read_bytes()).hexdigest()
 
     @property
     def inputs(self) -> RunInputs:
