@@ -14,7 +14,7 @@ import gc
 import json
 import subprocess
 import sys
-from dataclasses import fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -26,16 +26,29 @@ STEPS = 120
 ONE = "--one"  # measure one driver and print JSON
 
 
-def measured(driver: str) -> dict[str, Any]:
-    """What a driver loads and configures, from a process of its own."""
+@dataclass(frozen=True, slots=True)
+class Size:
+    """What a driver is made of."""
+
+    files: int
+    lines: int  # of code
+    settings: int
+    weights: int  # 0 without a network
+
+
+def size_of(driver: str) -> Size:
+    """The size of a driver, which drives in a process of its own."""
     done = subprocess.run([sys.executable, __file__, ONE, driver], check=True, capture_output=True, text=True)
     found: dict[str, Any] = json.loads(done.stdout)
-    return found
+    functions = {Path(path): lines for path, lines in found["functions"].items()}
+    lines = sum(code_lines(path, first) for path, first in functions.items())
+    settings = found["settings"] + sum(constants(path) for path in functions)
+    return Size(len(functions), lines, settings, found["bytes"] // 4)
 
 
 def measure(name: str) -> dict[str, Any]:
     """Drive, and list the first lines of the functions that run, by file, and the settings that are alive."""
-    from vpf_sim import drivers
+    from vpf_sim import drivers, process_state
     from vpf_sim.envs.four_lane import FourLane
     from vpf_sim.evaluation.episode.episode import read, setup_for
 
@@ -53,7 +66,9 @@ def measure(name: str) -> dict[str, Any]:
         command = drivers.command_of(driver, read(observed))
         observed, *_ = env.step(np.array([command.throttle, command.steering]))
     sys.setprofile(None)
-    ours = {str(module.__file__) for key, module in sys.modules.items() if key.startswith(PARTS)}
+    parts = (*PARTS, f"{type(process_state.unwrapped(driver)).__module__.partition('.')[0]}.")  # those of its package
+    parts = PARTS if parts[-1] == "vpf_sim." else parts
+    ours = {str(module.__file__) for key, module in sys.modules.items() if f"{key}.".startswith(parts)}
     settings = sum(numbers(item) for item in gc.get_objects() if is_configuration(item))
     model = getattr(driver, "model_path", None)
     functions = {path: sorted(lines) for path, lines in ran.items() if path in ours}
@@ -122,12 +137,10 @@ def main() -> None:
     print("| driver | files | lines of code | settings | weights | ms a step |")
     print("|---|---:|---:|---:|---:|---:|")
     for driver in requested.drivers:
-        found = measured(driver)
-        lines = sum(code_lines(Path(path), first) for path, first in found["functions"].items())
-        settings = found["settings"] + sum(constants(Path(path)) for path in found["functions"])
-        weights = f"{found['bytes'] // 4:,}" if found["bytes"] else "-"
+        size = size_of(driver)
+        weights = f"{size.weights:,}" if size.weights else "-"
         taken = f"{np.median(times[driver]):.2f}" if driver in times else "-"
-        print(f"| {driver} | {len(found['functions'])} | {lines:,} | {settings} | {weights} | {taken} |", flush=True)
+        print(f"| {driver} | {size.files} | {size.lines:,} | {size.settings} | {weights} | {taken} |", flush=True)
 
 
 if __name__ == "__main__":
