@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import MISSING, dataclass
 from typing import Any
 
-from vpf_sim.cli.keys import toml_value
+from vpf_sim.cli.output import toml_value
 from vpf_sim.configuration_fields import Setting, is_list, sections, settings_of
 from vpf_sim.controllers import gtsmc, idm, pid, pure_pursuit, stanley
 from vpf_sim.drivers.learned.manifest import Manifest
@@ -14,7 +14,7 @@ from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.planning import variant
 from vpf_sim.replay.drive_file import DriveFile
 from vpf_sim.scenarios.highway import HighwayEgo, HighwayEnv, HighwayGoal
-from vpf_sim.scenarios.opendrive.keys import OpenDriveFile
+from vpf_sim.scenarios.opendrive.road_section import OpenDriveFile
 from vpf_sim.scenarios.random_road import RandomRoad
 from vpf_sim.scenarios.schema import Scenario
 

@@ -17,8 +17,8 @@ from vpf_sim.configuration import build
 from vpf_sim.errors import InputError
 from vpf_sim.scenarios.checks import road_faults
 from vpf_sim.scenarios.opendrive.convert import route_table
-from vpf_sim.scenarios.opendrive.keys import Direction, OpenDriveRoad
 from vpf_sim.scenarios.opendrive.network import Network
+from vpf_sim.scenarios.opendrive.road_section import Direction, OpenDriveRoad
 from vpf_sim.scenarios.opendrive.routes import Leg
 from vpf_sim.scenarios.parts import Road
 

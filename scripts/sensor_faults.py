@@ -12,7 +12,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from vpf_sim.cli.tables import print_table
+from vpf_sim.cli.output import print_table
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.metrics.registry import CLEARANCE
 from vpf_sim.evaluation.sweeps.run_folder import read_records

@@ -173,7 +173,7 @@ ALLOWED = {
     "vpf_sim/files.py": {"open", "write_bytes", "replace", "rename"},
     "vpf_sim/evaluation/sweeps/run_folder.py": {"os.open"},  # appended to, and cut back where there is no room
     "vpf_sim/evaluation/pool.py": {"mkstemp", "os.open"},  # a worker's log, appended to by its watchdog
-    "vpf_sim/cli/streams.py": {"os.open"},  # the null device
+    "vpf_sim/cli/output.py": {"os.open"},  # the null device
     "vpf_sim/evaluation/parquet.py": {"write_parquet"},
     "vpf_sim/datasets/lerobot.py": {"write_table", "to_parquet"},
     "vpf_sim/reporting/paper_page.py": {"savefig"},  # into memory

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 import pytest
 
 if TYPE_CHECKING:
+    from vpf_sim.api.arguments import StrPath
     from vpf_sim.api.drive import Episode
-    from vpf_sim.api.paths import StrPath
     from vpf_sim.drivers import DriverLike
 
 

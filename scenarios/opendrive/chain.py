@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from vpf_sim.geometry import wrap_angle
-from vpf_sim.scenarios.opendrive.line import Line
+from vpf_sim.scenarios.opendrive.clothoid_line import Line
 from vpf_sim.scenarios.opendrive.spans import Element, Piece, points_along
 
 SLACK_M = 0.002

@@ -12,9 +12,9 @@ from vpf_sim.configuration import build
 from vpf_sim.errors import InputError
 from vpf_sim.scenarios.opendrive import chain
 from vpf_sim.scenarios.opendrive.carriageway import Carriageway, carriageway, look
-from vpf_sim.scenarios.opendrive.keys import OpenDriveFile, OpenDriveRoad
-from vpf_sim.scenarios.opendrive.lines import Shifts, beside_reference_lines, lines
 from vpf_sim.scenarios.opendrive.network import Network
+from vpf_sim.scenarios.opendrive.reference_lines import Shifts, beside_reference_lines, lines
+from vpf_sim.scenarios.opendrive.road_section import OpenDriveFile, OpenDriveRoad
 from vpf_sim.scenarios.opendrive.routes import find_route
 from vpf_sim.scenarios.opendrive.smoothing import smoothed
 from vpf_sim.scenarios.opendrive.spans import Element, pieces, span

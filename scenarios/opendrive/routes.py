@@ -6,9 +6,9 @@ from textwrap import shorten
 from typing import NamedTuple
 
 from vpf_sim.errors import MOST_NAMES_LENGTH, InputError, unknown_name
-from vpf_sim.scenarios.opendrive.keys import OpenDriveRoad
 from vpf_sim.scenarios.opendrive.lanes import LaneSection
 from vpf_sim.scenarios.opendrive.network import MapRoad, Network
+from vpf_sim.scenarios.opendrive.road_section import OpenDriveRoad
 
 Track = tuple[int, ...]  # a lane's id in each section of the route
 

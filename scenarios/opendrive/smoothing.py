@@ -12,8 +12,8 @@ import numpy as np
 
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import unwrapped
+from vpf_sim.scenarios.opendrive.clothoid_line import ALONG_M, TOLERANCE_M, Line
 from vpf_sim.scenarios.opendrive.geometry import Complexes
-from vpf_sim.scenarios.opendrive.line import ALONG_M, TOLERANCE_M, Line
 from vpf_sim.scenarios.opendrive.spans import Element, Piece
 from vpf_sim.types import Floats
 

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vpf_sim.scenarios.opendrive.carriageway import Carriageway, Stretch
+from vpf_sim.scenarios.opendrive.clothoid_line import Line
 from vpf_sim.scenarios.opendrive.geometry import Cubic
-from vpf_sim.scenarios.opendrive.line import Line
 from vpf_sim.scenarios.opendrive.spans import Element, Piece
 from vpf_sim.types import Floats
 

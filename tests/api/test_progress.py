@@ -9,8 +9,7 @@ import pytest
 from vpf_sim.api import progress as module
 from vpf_sim.api.progress import Tally, clock, progress
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics.records import Record
-from vpf_sim.evaluation.metrics.scoring import failed
+from vpf_sim.evaluation.metrics.records import Record, unscored
 
 
 def folder(done: int = 0) -> Any:
@@ -18,7 +17,7 @@ def folder(done: int = 0) -> Any:
 
 
 def record(name: str, status: str) -> Record:
-    return failed(Job("a", "clear", "pid", 0), status).model_copy(update={"id": name})
+    return unscored(Job("a", "clear", "pid", 0), status).model_copy(update={"id": name})
 
 
 @pytest.fixture

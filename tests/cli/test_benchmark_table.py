@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from stored import record, records
 
-from vpf_sim.cli.results import print_benchmark
+from vpf_sim.cli.sweep_tables import print_benchmark
 from vpf_sim.evaluation.analysis import benchmark
 from vpf_sim.evaluation.analysis.summary import summarize
 from vpf_sim.evaluation.job import Job

@@ -2,7 +2,7 @@
 
 import pytest
 
-from vpf_sim.cli.tables import print_table
+from vpf_sim.cli.output import print_table
 
 
 def test_a_row_is_one_line_for_any_name(capsys: pytest.CaptureFixture[str]) -> None:

@@ -8,7 +8,7 @@ from short_scenario import SHORT, write_short
 
 import vpf_sim
 from vpf_sim import cli
-from vpf_sim.cli.results import print_rows
+from vpf_sim.cli.sweep_tables import print_rows
 from vpf_sim.evaluation.analysis.rows import Cell
 from vpf_sim.evaluation.gate.checks import Check, listed
 from vpf_sim.reporting.run_data import open_run

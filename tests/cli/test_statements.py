@@ -10,7 +10,7 @@ import pytest
 from systems import POSIX_ONLY
 
 from vpf_sim.cli import run
-from vpf_sim.cli.tables import measure
+from vpf_sim.cli.output import measure
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.episode import driver_check
 from vpf_sim.evaluation.sweeps import cluster

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from vpf_sim.datasets.episode import STATE, Contents, state_of
+from vpf_sim.datasets.played_episode import STATE, Contents, state_of
 from vpf_sim.driver_interface import Observation
 from vpf_sim.errors import InputError
 

@@ -12,7 +12,7 @@ import vpf_sim
 from vpf_sim import cli
 from vpf_sim.datasets import export, formats, lerobot, minari_format
 from vpf_sim.datasets.datasheet import spans
-from vpf_sim.datasets.episode import Contents
+from vpf_sim.datasets.played_episode import Contents
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.sweeps.run_folder import write_json
 from vpf_sim.reporting.run_data import RunData, open_run

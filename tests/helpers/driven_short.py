@@ -13,8 +13,7 @@ from vpf_sim.driver_interface import Command, Driver, Observation
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.episode import episode
-from vpf_sim.evaluation.metrics.records import Timing
-from vpf_sim.evaluation.metrics.scoring import failed
+from vpf_sim.evaluation.metrics.records import Timing, unscored
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.evaluation.sweeps.manifest import Manifest
 from vpf_sim.evaluation.sweeps.plan import Plan
@@ -75,7 +74,7 @@ def drive(root: Path) -> Driven:
     for job in plan.jobs():
         ids[job.driver] = job.id
         if job.driver == "never":
-            folder.add(failed(job), Timing(id=job.id))
+            folder.add(unscored(job), Timing(id=job.id))
             continue
         result = episode.run(*job)
         tables[job.driver] = result.steps

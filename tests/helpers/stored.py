@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics.records import Record, read_record
-from vpf_sim.evaluation.metrics.scoring import failed
+from vpf_sim.evaluation.metrics.records import Record, read_record, unscored
 from vpf_sim.evaluation.sweeps.plan import Plan
 
 GOOD = {
@@ -23,7 +22,7 @@ GOOD = {
 
 def record(job: Job, **changes: Any) -> dict[str, Any]:
     """The line of a good episode's record, with changes."""
-    return {**failed(job).as_json(), **GOOD, **changes}
+    return {**unscored(job).as_json(), **GOOD, **changes}
 
 
 def records(rows: Iterable[Mapping[str, Any]]) -> list[Record]:

@@ -10,7 +10,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.planning.lane.frame import NOTHING, Lane
 from vpf_sim.planning.lane.lateral_cost import CostProfile
 from vpf_sim.planning.lane.planner import LanePlan
-from vpf_sim.reporting import cost_view
+from vpf_sim.reporting import plan_view
 from vpf_sim.reporting.top_view import REFERENCE
 from vpf_sim.types import Camera, Plan
 
@@ -27,13 +27,13 @@ def bowl(minimum_m: float) -> Plan:
 
 
 def column(y_m: float) -> int:
-    margin = cost_view.MARGIN_M
+    margin = plan_view.MARGIN_M
     return round((y_m - LEFT_M + margin) * WIDTH_PX / (RIGHT_M - LEFT_M + 2.0 * margin))
 
 
 @pytest.mark.parametrize("minimum_m", [-6.0, 0.0, 3.5])
 def test_the_picture_is_darkest_beside_the_minimum_and_marks_it(minimum_m: float) -> None:
-    picture = cost_view.draw(bowl(minimum_m), WIDTH_PX)
+    picture = plan_view.draw(bowl(minimum_m), WIDTH_PX)
     row = picture[60].astype(int)
     assert row[column(minimum_m)].tolist() == list(REFERENCE)
     brightness = row.sum(axis=1)
@@ -43,4 +43,4 @@ def test_the_picture_is_darkest_beside_the_minimum_and_marks_it(minimum_m: float
 
 def test_a_plan_without_a_lateral_cost_is_refused() -> None:
     with pytest.raises(InputError, match="expected a plan with a lateral cost"):
-        cost_view.draw(plan(Camera()))
+        plan_view.draw(plan(Camera()))

@@ -9,7 +9,7 @@ from vpf_sim.planning.spacetime import settings
 from vpf_sim.planning.spacetime.motion import MotionPlan
 from vpf_sim.planning.spacetime.planner import SpacetimePlanner
 from vpf_sim.reporting import overlay
-from vpf_sim.reporting.motion_view import reasons
+from vpf_sim.reporting.plan_view import reasons
 from vpf_sim.types import Camera, Force, Plan, Reference, VehicleModel
 
 GREY = 90

@@ -20,8 +20,7 @@ from vpf_sim.evaluation.analysis.statistics import paired_shares, share_interval
 from vpf_sim.evaluation.analysis.summary import summarize
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics import scoring
-from vpf_sim.evaluation.metrics.records import Record
+from vpf_sim.evaluation.metrics.records import Record, unscored
 from vpf_sim.evaluation.sweeps.manifest import Manifest
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import RunFolder
@@ -282,7 +281,7 @@ def test_the_answer_has_successes_with_intervals_and_the_papers_mse() -> None:
         row("vpf", "town04-clean", 5, 0.001),
     ]
     jobs = [Job("town04", "clear", driver, seed) for seed in range(10) for driver in ORDER.drivers]
-    records = {job.id: scoring.failed(job, "success") for job in jobs if job.driver == "vpf" or job.seed < 4}
+    records = {job.id: unscored(job, "success") for job in jobs if job.driver == "vpf" or job.seed < 4}
     against = answer.of_two(jobs, records, ORDER)
     assert against == paired_shares(np.ones(10, bool), np.arange(10) < 4)
     success, same_seeds, third = answer.sentences(rows, ORDER, against, "benchmark")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, SupportsIndex
 
 from vpf_sim import drivers
 from vpf_sim.api import views
-from vpf_sim.api.paths import StrPath, output_file, text
+from vpf_sim.api.arguments import StrPath, output_file, text
 from vpf_sim.api.views import Page, Picture, Video
 from vpf_sim.drivers import DriverLike
 from vpf_sim.errors import InputError, option, shown

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from vpf_sim.api.paths import StrPath, output_file, text
+from vpf_sim.api.arguments import StrPath, output_file, text
 from vpf_sim.api.run import Run
 from vpf_sim.errors import InputError, option, shown, unknown_name
 from vpf_sim.files import write_text
@@ -86,9 +86,9 @@ def export(
     the extra `export` is not installed.
     """
     from vpf_sim.datasets import export as sets
-    from vpf_sim.datasets.episode import Contents
     from vpf_sim.datasets.lerobot import LeRobot
     from vpf_sim.datasets.minari_format import Minari
+    from vpf_sim.datasets.played_episode import Contents
     from vpf_sim.evaluation.sweeps.sweep import default_workers
     from vpf_sim.reporting.run_data import RunData, open_run
 

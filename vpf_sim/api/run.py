@@ -5,12 +5,12 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from vpf_sim.api.arguments import StrPath, text
 from vpf_sim.api.drive import Episode
-from vpf_sim.api.paths import StrPath, text
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.episode.episode import EpisodeResult
 from vpf_sim.evaluation.metrics.records import Timing
-from vpf_sim.evaluation.scores import Json
+from vpf_sim.evaluation.score_keys import Json
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.evaluation.sweeps.run_folder import located
 from vpf_sim.reporting.run_data import open_run

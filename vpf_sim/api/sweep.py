@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from vpf_sim import drivers
+from vpf_sim.api.arguments import StrPath, text, texts
 from vpf_sim.api.filling import Execution, fill
-from vpf_sim.api.paths import StrPath, text, texts
 from vpf_sim.api.run import Run
 from vpf_sim.drivers import DriverLike
 from vpf_sim.errors import InputError, shown

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import cv2
 import numpy as np
 
-from vpf_sim.api.paths import StrPath, output_file
+from vpf_sim.api.arguments import StrPath, output_file
 from vpf_sim.api.progress import say
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.episode.episode import EpisodeResult

@@ -14,12 +14,12 @@ from vpf_sim.cli import (
     drivers,
     export,
     machine,
+    output,
     perception,
     play,
     replay,
     runs,
     scenarios,
-    streams,
     sweep,
     verify,
     video,
@@ -106,7 +106,7 @@ def main() -> None:
     if not set(arguments[:2]).isdisjoint(SIMULATING) and not {"-h", "--help"} & set(arguments):
         _limit_threads(arguments)
     sys.path.append(os.getcwd())  # for a user's own drivers
-    streams.reserve_stdout()
+    output.reserve_stdout()
     code = run(arguments)
     try:
         sys.stdout.flush()

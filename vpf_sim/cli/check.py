@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vpf_sim.api.paths import output_file
+from vpf_sim.api.arguments import output_file
 from vpf_sim.cli.options import JsonOption, RunArgument, print_json
-from vpf_sim.cli.tables import print_table
+from vpf_sim.cli.output import print_table
 from vpf_sim.errors import InputError
 
 if TYPE_CHECKING:

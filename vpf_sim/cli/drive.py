@@ -17,7 +17,7 @@ from vpf_sim.cli.options import (
     print_json,
     prints_on_stderr,
 )
-from vpf_sim.cli.tables import measured
+from vpf_sim.cli.output import measured
 from vpf_sim.errors import cause
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from vpf_sim.cli.options import (
     print_validity,
     prints_on_stderr,
 )
-from vpf_sim.cli.tables import print_table
+from vpf_sim.cli.output import print_table
 
 app = typer.Typer(help="List and show drivers; check your own.", no_args_is_help=True, rich_markup_mode=None)
 DriverArgument = Annotated[
@@ -61,7 +61,7 @@ def show(name: DriverArgument, json: SameJsonOption = False) -> None:  # noqa: A
 @app.command(cls=Command)
 def keys(json: JsonOption = False) -> None:
     """List every key of a variant file."""
-    from vpf_sim.cli.keys import print_keys
+    from vpf_sim.cli.output import print_keys
     from vpf_sim.planning.variant import Variant
 
     print_keys(Variant, json)

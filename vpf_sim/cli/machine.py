@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from vpf_sim.cli.options import JsonOption, ScenarioArgument, WeatherOption, print_json, prints_on_stderr
-from vpf_sim.cli.tables import number, print_table
+from vpf_sim.cli.output import number, print_table
 
 StepsOption = Annotated[int, typer.Option("--steps", metavar="N", min=2, help="Steps to time.")]
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from vpf_sim.cli.options import DriversOption, JsonOption, WorkersOption, located, print_json, prints_on_stderr
-from vpf_sim.cli.tables import number, percent, percent_within, print_table, within
+from vpf_sim.cli.output import number, percent, percent_within, print_table, within
 
 if TYPE_CHECKING:
     from vpf_sim.evaluation.perception.replay import StoredDrive

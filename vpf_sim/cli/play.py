@@ -86,7 +86,7 @@ def _driven(scenario: str, weather: str, driver: str, seed: int) -> "Ghost":
 
 def _words(episode: "Episode") -> list[str]:
     """The result for the window."""
-    from vpf_sim.cli.tables import measured
+    from vpf_sim.cli.output import measured
     from vpf_sim.evaluation.metrics.registry import CLEARANCE, COMPLETION
 
     record = episode.result.record

@@ -18,7 +18,7 @@ from vpf_sim.cli.options import (
     print_json,
     prints_on_stderr,
 )
-from vpf_sim.cli.tables import in_one_line, print_table
+from vpf_sim.cli.output import in_one_line, print_table
 from vpf_sim.errors import InputError
 from vpf_sim.files import file_name
 from vpf_sim.system import command

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vpf_sim.api.paths import output_file
+from vpf_sim.api.arguments import output_file
 from vpf_sim.cli.options import JsonOption, RunArgument, RunsArgument, located, print_json, prints_on_stderr
 from vpf_sim.files import write_text
 
@@ -86,7 +86,7 @@ def score(run: RunArgument, json: JsonOption = False) -> None:
 
 
 def _print_scores(done: "Rescored") -> None:
-    from vpf_sim.cli.results import print_benchmark, print_comparisons, print_rows
+    from vpf_sim.cli.sweep_tables import print_benchmark, print_comparisons, print_rows
 
     if done.command == "benchmark":
         print_benchmark(done.summary.rows, done.seeds)

@@ -13,7 +13,7 @@ from vpf_sim.cli.options import (
     print_json,
     print_validity,
 )
-from vpf_sim.cli.tables import print_table
+from vpf_sim.cli.output import print_table
 
 if TYPE_CHECKING:
     from vpf_sim.scenarios import AnyScenario
@@ -75,7 +75,7 @@ def show(
 @app.command(cls=Command)
 def keys(json: JsonOption = False) -> None:
     """List every key of a scenario file."""
-    from vpf_sim.cli.keys import print_keys
+    from vpf_sim.cli.output import print_keys
     from vpf_sim.scenarios import Scenario
 
     print_keys(Scenario, json)

@@ -13,8 +13,8 @@ from vpf_sim.cli.options import (
     print_json,
     prints_on_stderr,
 )
+from vpf_sim.cli.output import print_table
 from vpf_sim.cli.run_options import RunOptions, fill, plan_of, with_run_options
-from vpf_sim.cli.tables import print_table
 from vpf_sim.system import command
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def sweep(
 
     With --resume alone, the grid is the one stored in the folder.
     """
-    from vpf_sim.cli.results import exit_code, print_comparisons, print_rows, stored_summary
+    from vpf_sim.cli.sweep_tables import exit_code, print_comparisons, print_rows, stored_summary
     from vpf_sim.evaluation.sweeps.plan import Plan, make_plan, read_plan
 
     given = {"scenario": scenario, "weather": weather, "driver": driver, "seeds": run.seeds}
@@ -116,7 +116,7 @@ def benchmark(run: RunOptions, driver: DriversOption = None, report: ReportOptio
     It is driven without and with obstacles, by the paper's method, ours and the PID.
     """
     from vpf_sim.api.report import report as write_report
-    from vpf_sim.cli.results import exit_code, print_benchmark, stored_summary
+    from vpf_sim.cli.sweep_tables import exit_code, print_benchmark, stored_summary
     from vpf_sim.evaluation.analysis.benchmark import plan as benchmark_plan
 
     plan = plan_of(run, bool(run.seeds or driver), lambda: benchmark_plan(run.seeds, driver or []))
@@ -139,8 +139,8 @@ def reproduce(run: RunOptions, driver: DriverOption = "vpf-paper") -> None:
     Its four conditions are driven; table, claims and figures are compared with the paper's.
     """
     from vpf_sim.cli.options import prints_on_stderr
-    from vpf_sim.cli.results import exit_code, stored_summary
     from vpf_sim.cli.run_options import fill, plan_of
+    from vpf_sim.cli.sweep_tables import exit_code, stored_summary
     from vpf_sim.evaluation.analysis import reproduction
     from vpf_sim.reporting import paper_page
     from vpf_sim.reporting.run_data import open_run
@@ -163,7 +163,7 @@ def reproduce(run: RunOptions, driver: DriverOption = "vpf-paper") -> None:
 
 def _print_paper(found: "Answer") -> None:
     """The table, then the claims."""
-    from vpf_sim.cli.tables import number, print_table
+    from vpf_sim.cli.output import number, print_table
 
     lines = [
         (

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vpf_sim.api.paths import output_file
+from vpf_sim.api.arguments import output_file
 from vpf_sim.cli.options import JsonOption, RunArgument, print_json, prints_on_stderr
 
 if TYPE_CHECKING:

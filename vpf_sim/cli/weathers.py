@@ -19,7 +19,7 @@ from vpf_sim.cli.options import (
     print_json,
     print_validity,
 )
-from vpf_sim.cli.tables import print_table
+from vpf_sim.cli.output import print_table
 
 if TYPE_CHECKING:
     from vpf_sim.gallery.page import Entry
@@ -56,7 +56,7 @@ def show(name: WeatherArgument, json: SameJsonOption = False) -> None:  # noqa: 
 @app.command(cls=Command)
 def keys(json: JsonOption = False) -> None:
     """List every key of a weather file."""
-    from vpf_sim.cli.keys import print_keys
+    from vpf_sim.cli.output import print_keys
     from vpf_sim.envs.camera.weather import Weather
 
     print_keys(Weather, json)

@@ -9,8 +9,8 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from numpy.typing import NDArray
 
 from vpf_sim import __version__
-from vpf_sim.datasets.episode import Contents
 from vpf_sim.datasets.formats import Written
+from vpf_sim.datasets.played_episode import Contents
 from vpf_sim.evaluation.sweeps.fingerprint import commit_of
 from vpf_sim.reporting.cells import shown
 from vpf_sim.reporting.run_data import StoredRun

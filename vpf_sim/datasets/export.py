@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from vpf_sim.datasets import datasheet
-from vpf_sim.datasets.episode import Contents, Episode, task_of
 from vpf_sim.datasets.formats import Format, Place, Written
+from vpf_sim.datasets.played_episode import Contents, Episode, task_of
 from vpf_sim.errors import InputError, option, unknown_name
 from vpf_sim.evaluation import pool
 from vpf_sim.evaluation.metrics.records import Record

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
-from vpf_sim.datasets.episode import Contents, Episode
+from vpf_sim.datasets.played_episode import Contents, Episode
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.metrics.records import Record
 

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from vpf_sim.datasets import datasheet
 from vpf_sim.datasets.datasheet import PixelCounts, Statistics
-from vpf_sim.datasets.episode import ACTION, STATE, Contents, Episode
 from vpf_sim.datasets.formats import Place, Written, missing
+from vpf_sim.datasets.played_episode import ACTION, STATE, Contents, Episode
 from vpf_sim.errors import InputError, option
 from vpf_sim.evaluation.sweeps.run_folder import write_json
 from vpf_sim.files import replacing

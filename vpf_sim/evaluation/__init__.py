@@ -1,7 +1,8 @@
 """Drives episodes, scores them, and compares runs. Start reading at `episode/episode.py`, the closed loop.
 
-Modules here are shared by all packages: `job` (an episode to drive), `steps` (its step table and ending),
-`scores` (by dotted key), `pool` (workers with timeouts and retries).
+Modules here are shared by all packages: `job` (an episode to drive), `environment` (what is used of an environment),
+`steps` (the step table and ending of an episode), `score_keys` (scores by dotted key), `pool` (workers with timeouts
+and retries).
 Each package imports only packages above it:
 
 - metrics: the scores of an episode, the registry of all metrics, and the record that holds the scores

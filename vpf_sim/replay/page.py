@@ -15,8 +15,7 @@ from vpf_sim.replay.readers import general
 from vpf_sim.replay.tables import tables
 from vpf_sim.reporting.answer import listed
 from vpf_sim.reporting.kit.clip import Clip
-from vpf_sim.reporting.kit.page import render
-from vpf_sim.reporting.kit.table import formatted
+from vpf_sim.reporting.kit.page import formatted, render
 
 NAME = "report.html"
 

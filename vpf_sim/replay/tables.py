@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from vpf_sim.replay.scores import PARTS
-from vpf_sim.reporting.kit.table import formatted
+from vpf_sim.reporting.kit.page import formatted
 
 PART_NAMES = {PARTS[0]: "no obstacles", PARTS[1]: "with obstacles", "not divided": "not divided"}
 NOTHING = "no recording"

@@ -10,7 +10,7 @@ from vpf_sim.evaluation.analysis.statistics import Difference
 from vpf_sim.evaluation.metrics.failure import Failure
 from vpf_sim.reporting.cells import shown
 from vpf_sim.reporting.endings import class_of
-from vpf_sim.reporting.kit.table import NONE, Line, Table, Value, formatted, interval_text
+from vpf_sim.reporting.kit.page import NONE, Line, Table, Value, formatted, interval_text
 from vpf_sim.reporting.run_data import RunData
 from vpf_sim.scenarios import Ability
 

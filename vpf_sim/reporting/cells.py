@@ -9,7 +9,7 @@ from typing import Protocol
 from vpf_sim.evaluation.analysis.rows import Row
 from vpf_sim.evaluation.metrics.metric import Metric
 from vpf_sim.evaluation.metrics.registry import SUCCESS, columns
-from vpf_sim.reporting.kit.table import Value, formatted, interval_text
+from vpf_sim.reporting.kit.page import Value, formatted, interval_text
 
 DRIVING = columns("driving")
 

@@ -8,7 +8,7 @@ from xml.etree import ElementTree as Xml
 
 from vpf_sim.evaluation.gate.checks import Check, listed, repeats, unlisted
 from vpf_sim.files import write_bytes, write_text
-from vpf_sim.reporting.kit.table import Table
+from vpf_sim.reporting.kit.page import Table
 
 SUITE = "vpf-sim check"
 FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # invalid in XML 1.0, even escaped

@@ -10,8 +10,7 @@ from vpf_sim.reporting import answer, changes, endings, video
 from vpf_sim.reporting.cells import shown
 from vpf_sim.reporting.kit import interval_chart
 from vpf_sim.reporting.kit.interval_chart import Dot
-from vpf_sim.reporting.kit.page import render
-from vpf_sim.reporting.kit.table import NONE, Line, Table, Value, formatted, interval_text
+from vpf_sim.reporting.kit.page import NONE, Line, Table, Value, formatted, interval_text, render
 from vpf_sim.reporting.two_runs import AGAINST, SCORES, Cell, Compared, Pair, TwoRuns, compared
 
 ORDER = ("worse", "better", "undecided", "same")  # of scores

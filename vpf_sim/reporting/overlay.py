@@ -11,7 +11,7 @@ from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.planning.paper.planner import PaperPlan
 from vpf_sim.planning.spacetime.motion import MotionPlan
 from vpf_sim.reporting.canvas import INK, SHADE, Canvas, Colour
-from vpf_sim.reporting.motion_view import PATH, draw_motion
+from vpf_sim.reporting.plan_view import PATH, draw_motion
 from vpf_sim.reporting.top_view import OBSTACLE, REFERENCE, draw_compass
 from vpf_sim.types import Camera, Floats, Image, Perception, Plan, RoadEdges
 

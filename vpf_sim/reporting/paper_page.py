@@ -19,8 +19,7 @@ from vpf_sim.evaluation.analysis.reproduction import CELLS, REFERENCE_DRIVER, SI
 from vpf_sim.evaluation.job import Job
 from vpf_sim.files import write_bytes, write_text
 from vpf_sim.reporting.kit.clip import data_uri
-from vpf_sim.reporting.kit.page import render
-from vpf_sim.reporting.kit.table import NONE, Cell, Table, Value, formatted
+from vpf_sim.reporting.kit.page import NONE, Cell, Table, Value, formatted, render
 from vpf_sim.reporting.redraw import Moment, Redrawing
 from vpf_sim.reporting.road_layout import RoadLayout, StaticObstacle, layouts
 from vpf_sim.reporting.run_data import StoredRun

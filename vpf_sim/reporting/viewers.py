@@ -16,7 +16,7 @@ from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.files import Draft
 from vpf_sim.geometry import distort
 from vpf_sim.planning.lane.planner import LanePlan
-from vpf_sim.reporting import cost_view
+from vpf_sim.reporting import plan_view
 from vpf_sim.reporting.overlay import EDGE, OBSTACLE_LENGTH_M, ROAD_AHEAD_M, road_line, ttc_colour
 from vpf_sim.reporting.top_view import OBSTACLE, REFERENCE, ROAD, TARGET
 from vpf_sim.types import Camera, Floats, Force, Image, Perception, Plan, VehicleModel
@@ -64,7 +64,7 @@ class RerunLog:
             self._perceived(plan.perception)
             self._scene(plan.perception, plan.force)
             if isinstance(plan.extra, LanePlan):
-                self._log("cost", self._picture(cost_view.draw(plan)))
+                self._log("cost", self._picture(plan_view.draw(plan)))
 
     def signals(self, time_s: Floats, columns: dict[str, Floats]) -> None:
         """Log (N,) values over time; nan and inf are left out."""

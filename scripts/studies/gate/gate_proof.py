@@ -18,7 +18,7 @@ from typing import Any
 import yaml
 from degraded_drivers import DEGRADED
 
-from vpf_sim.cli.tables import print_table
+from vpf_sim.cli.output import print_table
 
 HERE = Path(__file__).parent
 MOST_MISSED = 1

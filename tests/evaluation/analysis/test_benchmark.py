@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from vpf_sim.cli.results import exit_code, print_comparisons, print_rows
 from vpf_sim.cli.run_options import RunOptions, plan_of
+from vpf_sim.cli.sweep_tables import exit_code, print_comparisons, print_rows
 from vpf_sim.evaluation.analysis import benchmark
 from vpf_sim.evaluation.analysis.rows import Cell, Comparison, Row, Summary, read_summary
 from vpf_sim.evaluation.analysis.statistics import Difference, Interval

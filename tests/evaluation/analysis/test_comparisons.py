@@ -8,8 +8,7 @@ import pytest
 from vpf_sim.evaluation.analysis.comparisons import compare
 from vpf_sim.evaluation.analysis.statistics import paired_difference, paired_shares
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics.records import Record
-from vpf_sim.evaluation.metrics.scoring import failed
+from vpf_sim.evaluation.metrics.records import Record, unscored
 from vpf_sim.evaluation.sweeps.plan import Plan
 
 WEATHERS, DRIVERS = ("clear", "rain"), ("pid", "vpf")
@@ -22,7 +21,7 @@ def record(status: str, mse: float | None, score: float = 1.0) -> Record:
         **dict.fromkeys(("route_completion", "driving_score_2_0", "driving_score_2_1"), score),
     }
     accuracy = {"accuracy.shadow.throttle.range": 0.8, "accuracy.shadow.steering.range": None}
-    return failed(Job("a", "rain", "pid", 0), status).model_copy(update={"scores": {**scores, **accuracy}})
+    return unscored(Job("a", "rain", "pid", 0), status).model_copy(update={"scores": {**scores, **accuracy}})
 
 
 def compared(records: dict[str, Record], weathers: Any = WEATHERS, drivers: Any = DRIVERS) -> dict[str, Any]:

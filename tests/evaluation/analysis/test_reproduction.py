@@ -9,7 +9,7 @@ import pytest
 from vpf_sim.evaluation.analysis import paper_claims, reproduction
 from vpf_sim.evaluation.analysis.reproduction import CELLS, Drive
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics.scoring import failed
+from vpf_sim.evaluation.metrics.records import unscored
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.types import Floats
 
@@ -40,7 +40,7 @@ def table(steering: Floats, pid: Floats, yaw_rate: Floats | float = 0.0, beside_
 def drive(cell: tuple[str, str], good: bool = True, **more: Any) -> Drive:
     own = more.pop("table", table(np.zeros(120), np.zeros(120)))
     scores = {"path_mse_m2": ERRORS_M2[cell], "min_clearance_m": 0.4, **more}
-    record = failed(Job(*cell, "vpf-paper", 0), "success" if good else "collision")
+    record = unscored(Job(*cell, "vpf-paper", 0), "success" if good else "collision")
     return Drive(*cell, record.model_copy(update={"scores": scores}), own, own)
 
 

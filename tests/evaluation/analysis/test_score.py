@@ -17,8 +17,8 @@ from vpf_sim.evaluation.analysis import rescore
 from vpf_sim.evaluation.analysis.summary import summarize
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics import collision, scoring
-from vpf_sim.evaluation.metrics.records import Timing
+from vpf_sim.evaluation.metrics import collision
+from vpf_sim.evaluation.metrics.records import Timing, unscored
 from vpf_sim.evaluation.sweeps.manifest import Manifest, read_manifest
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import RunFolder, read_lines
@@ -35,7 +35,7 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> Path:
         result = episode.run(*job)
         steps.write(result.steps, folder.path / "steps" / f"{job.id}.parquet")
         folder.add(result.record, result.timing)
-    folder.add(scoring.failed(lost), Timing(id=lost.id))
+    folder.add(unscored(lost), Timing(id=lost.id))
     folder.write_json("summary.json", summarize(plan.jobs(), folder.records()).as_json())
     folder.close()
     return folder.path

@@ -12,8 +12,7 @@ from vpf_sim import cli
 from vpf_sim.api import filling
 from vpf_sim.envs import camera
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics.records import Record
-from vpf_sim.evaluation.metrics.scoring import failed
+from vpf_sim.evaluation.metrics.records import Record, unscored
 from vpf_sim.evaluation.steps import InvalidFrame
 from vpf_sim.evaluation.sweeps.run_folder import read_lines
 
@@ -64,7 +63,7 @@ def test_a_broken_camera_prints_a_warning(
 def record(number: int, **changes: Any) -> Record:
     invalid = InvalidFrame(frame=3, time_s=0.05, fault="stale")
     job = Job("town04", "clear", "vpf", number)
-    return failed(job, "invalid_frame", invalid).model_copy(update=changes)
+    return unscored(job, "invalid_frame", invalid).model_copy(update=changes)
 
 
 def test_only_invalid_frames_are_warned_of(capsys: pytest.CaptureFixture[str]) -> None:

@@ -17,9 +17,8 @@ from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.episode.episode import roll_out
 from vpf_sim.evaluation.episode.paired import PidRun, matched
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics import scoring
-from vpf_sim.evaluation.metrics.records import Timing
-from vpf_sim.evaluation.scores import finite
+from vpf_sim.evaluation.metrics.records import Timing, record_of, unscored
+from vpf_sim.evaluation.score_keys import finite
 from vpf_sim.evaluation.steps import Outcome, StepTable
 from vpf_sim.evaluation.sweeps.manifest import Manifest
 from vpf_sim.evaluation.sweeps.run_folder import JsonLines, RunFolder, new_path, read_lines
@@ -30,7 +29,7 @@ KEYS = {
     *("id", "scenario", "weather", "driver", "seed", "status", "route_completion", "path_mse_m2", "max_lane_offset_m"),
     *("accuracy", "collisions", "collided_with", "min_clearance_m", "driving_score_2_0", "driving_score_2_1"),
     *("invalid_frame", "comfort", "perception", "steps", "states_sha256", "frames_sha256", "chattering"),
-    *("collision_type", "failure", "at_fault_collisions", "path_mse_parts_m2"),
+    *("collision_type", "failure", "at_fault_collisions", "path_mse_parts_m2", "uncertainty"),
 }
 PID_RUN = PidRun(np.arange(11.0), np.full(11, 0.5), np.zeros(11))
 ASKED: dict[str, Any] = {
@@ -50,11 +49,11 @@ def outcome(driver: Constant, **changes: Any) -> Outcome:
 
 
 def scored(driven: Outcome, route: Floats, route_length_m: float) -> Any:
-    return scoring.score(JOB, driven, route, route_length_m).as_json()
+    return record_of(JOB, driven, route, route_length_m).as_json()
 
 
 def failed() -> Any:
-    return scoring.failed(JOB).as_json()
+    return unscored(JOB).as_json()
 
 
 def asked(**changes: Any) -> Manifest:
@@ -190,7 +189,7 @@ def test_a_run_killed_before_its_manifest_leaves_its_folder_usable(tmp_path: Pat
 
 def test_a_resumed_folder_has_its_finished_episodes(tmp_path: Path) -> None:
     folder = RunFolder(tmp_path, asked())
-    folder.add(scoring.failed(JOB), Timing(id=JOB.id))
+    folder.add(unscored(JOB), Timing(id=JOB.id))
     folder.close()
     again = RunFolder(tmp_path, asked(), resume=True)
     assert (again.done, again.mark) == ({JOB.id}, None)
@@ -231,7 +230,7 @@ def test_mixed_accepts_another_fingerprint_and_nothing_else(tmp_path: Path) -> N
 
 def test_a_run_folder_has_one_run_at_a_time(tmp_path: Path) -> None:
     first = RunFolder(tmp_path / "run", asked())
-    first.add(scoring.failed(JOB), Timing(id=JOB.id))
+    first.add(unscored(JOB), Timing(id=JOB.id))
     with (tmp_path / "run" / "episodes.jsonl").open("a") as file:
         file.write('{"id": "half')  # what the other is just writing must not be cut off
     stored = (tmp_path / "run" / "episodes.jsonl").read_text()

@@ -11,8 +11,7 @@ from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.analysis.rows import Summary
 from vpf_sim.evaluation.analysis.summary import summarize
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics import scoring
-from vpf_sim.evaluation.metrics.records import Record, read_record
+from vpf_sim.evaluation.metrics.records import Record, read_record, record_of
 from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import Outcome, StepTable
 from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
@@ -63,7 +62,7 @@ def rescore(path: Path) -> Rescored:
 def score(job: Job, outcome: Outcome, inputs: RunInputs | None = None) -> Record:
     """The record of an episode from its outcome, on the scenario's route for its seed."""
     route = build_route((inputs or RunInputs()).scenario(job.scenario).draw(job.seed), job.seed)
-    return scoring.score(job, outcome, route.waypoints(), route.length_m)
+    return record_of(job, outcome, route.waypoints(), route.length_m)
 
 
 def _rescored(path: Path, record: Record, jobs: dict[str, Job], inputs: RunInputs) -> Record:

@@ -9,7 +9,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation.analysis.statistics import Difference, Interval
 from vpf_sim.evaluation.metrics.metric import Metric
 from vpf_sim.evaluation.metrics.records import Schema, checked
-from vpf_sim.evaluation.scores import Json, Number, flat, leaves, nested
+from vpf_sim.evaluation.score_keys import Json, Number, flat, leaves, nested
 
 
 class Cell(NamedTuple):

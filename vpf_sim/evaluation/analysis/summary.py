@@ -36,7 +36,7 @@ from vpf_sim.evaluation.metrics.registry import (
     PATH_MSE,
     SUCCESS,
 )
-from vpf_sim.evaluation.scores import Number
+from vpf_sim.evaluation.score_keys import Number
 
 OF_SUCCESSES, OF_DRIVEN = (
     tuple(measure.key for measure in MEASURES if measure.over == over) for over in ("successes", "driven")

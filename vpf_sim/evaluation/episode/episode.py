@@ -16,8 +16,7 @@ from vpf_sim.evaluation.environment import Environment, Observed
 from vpf_sim.evaluation.episode.log import FrameHasher, StepLog
 from vpf_sim.evaluation.episode.paired import matched, pid_without_obstacles
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics.records import Record, Timing
-from vpf_sim.evaluation.metrics.scoring import score
+from vpf_sim.evaluation.metrics.records import Record, Timing, record_of
 from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import InvalidFrame, Outcome, StepTable
 from vpf_sim.timing import Stopwatch
@@ -72,7 +71,7 @@ def _run(job: Job, driver: drivers.DriverLike, watch: Watcher | None, inputs: Ru
         if len(outcome.steps):
             pid_run = pid_without_obstacles(env.scenario, job.seed)
             outcome = replace(outcome, steps=matched(outcome.steps, pid_run))
-        record = score(job, outcome, env.route, env.route_length_m)
+        record = record_of(job, outcome, env.route, env.route_length_m)
     rate, stages_ms = len(outcome.steps) / wall_s, stopwatch.typical_ms()
     timing = Timing(id=job.id, wall_s=wall_s, steps_per_s=rate, stages_ms=stages_ms)
     return EpisodeResult(record, outcome.steps, timing, outcome.traceback)

@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import Literal
 
 from vpf_sim.evaluation.metrics import tracking
-from vpf_sim.evaluation.scores import Number
+from vpf_sim.evaluation.score_keys import Number
 from vpf_sim.evaluation.steps import Outcome, StepTable
 from vpf_sim.types import Floats
 

@@ -6,17 +6,19 @@ kept as they are. nan and inf are stored as None.
 
 import json
 from collections.abc import Callable, Mapping
+from hashlib import sha256
 from typing import TypeVar
 
 from pydantic import BaseModel, ConfigDict, SkipValidation, ValidationError
 
 from vpf_sim.errors import InputError, shown, wrong_value
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics.failure import Failure
-from vpf_sim.evaluation.metrics.metric import Metric
-from vpf_sim.evaluation.metrics.registry import MEASURES, TABLES
-from vpf_sim.evaluation.scores import Json, Number, flat, nested
-from vpf_sim.evaluation.steps import InvalidFrame
+from vpf_sim.evaluation.metrics.failure import Failure, failure_of
+from vpf_sim.evaluation.metrics.metric import Driven, Metric
+from vpf_sim.evaluation.metrics.registry import MEASURES, TABLES, collision_type
+from vpf_sim.evaluation.score_keys import Json, Number, finite, flat, nested
+from vpf_sim.evaluation.steps import InvalidFrame, Outcome
+from vpf_sim.types import Floats
 
 
 class Schema(BaseModel):
@@ -144,3 +146,30 @@ def short(value: object) -> str:
     """A value as JSON, of at most 80 characters."""
     text = json.dumps(value)
     return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+def record_of(job: Job, outcome: Outcome, route: Floats, route_length_m: float) -> Record:
+    """The record of an episode; `route` has waypoints (M, 2) from the start to beyond the goal at `route_length_m`."""
+    if len(outcome.steps) == 0:
+        return unscored(job, outcome.status, outcome.invalid_frame)
+    driven = Driven(outcome, route, route_length_m)
+    measured = {measure.key: measure.of(driven) for measure in MEASURES if measure.of is not None}
+    return Record(
+        id=job.id,
+        **job._asdict(),
+        status=outcome.status,
+        steps=len(outcome.steps),
+        scores=flat(finite(measured)),
+        invalid_frame=outcome.invalid_frame,
+        collided_with=outcome.collided_with,
+        collision_type=collision_type(driven),
+        failure=failure_of(outcome),
+        states_sha256=sha256(outcome.steps.states()).hexdigest(),
+        frames_sha256=outcome.frames_sha256,
+    )
+
+
+def unscored(job: Job, status: str = "error", invalid_frame: InvalidFrame | None = None) -> Record:
+    """The record of an episode without scores: it never began, or its worker died."""
+    scores = {measure.key: measure.unmeasured for measure in MEASURES}
+    return Record(id=job.id, **job._asdict(), status=status, steps=0, scores=scores, invalid_frame=invalid_frame)

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.metrics.records import Schema, checked, short
-from vpf_sim.evaluation.scores import Json
+from vpf_sim.evaluation.score_keys import Json
 from vpf_sim.evaluation.sweeps.fingerprint import fingerprint, forget_code
 from vpf_sim.evaluation.sweeps.plan import Plan, make_plan
 

@@ -16,7 +16,7 @@ from vpf_sim import system
 from vpf_sim.errors import InputError, option
 from vpf_sim.evaluation.metrics.records import Record, Timing, checked, read_record
 from vpf_sim.evaluation.run_inputs import INPUTS, RunInputs, contents
-from vpf_sim.evaluation.scores import Json
+from vpf_sim.evaluation.score_keys import Json
 from vpf_sim.evaluation.sweeps.fingerprint import digest
 from vpf_sim.evaluation.sweeps.manifest import HASHED, MANIFEST, Manifest, change, read_manifest
 from vpf_sim.files import DRAFT, write_bytes, write_text

@@ -13,8 +13,7 @@ from vpf_sim import scenarios
 from vpf_sim.errors import InputError, option
 from vpf_sim.evaluation import pool, steps
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics import scoring
-from vpf_sim.evaluation.metrics.records import Record, Timing
+from vpf_sim.evaluation.metrics.records import Record, Timing, unscored
 from vpf_sim.evaluation.sweeps.fingerprint import fingerprint
 from vpf_sim.evaluation.sweeps.manifest import HASHED, Manifest
 from vpf_sim.evaluation.sweeps.plan import Plan
@@ -114,4 +113,4 @@ def default_workers() -> int:
 
 def given_up(job: Job, mark: str | None, reason: str) -> Stored:
     """What is stored of an episode without a result; its record is marked where the version is not the run's."""
-    return Stored(scoring.failed(job).marked(mark), Timing(id=job.id, host=platform.node()), reason)
+    return Stored(unscored(job).marked(mark), Timing(id=job.id, host=platform.node()), reason)

@@ -15,7 +15,7 @@ from vpf_sim.evaluation.analysis.rescore import score
 from vpf_sim.evaluation.analysis.summary import summarize
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.metrics.tracking import completion
-from vpf_sim.evaluation.scores import Json
+from vpf_sim.evaluation.score_keys import Json
 from vpf_sim.evaluation.steps import Outcome, StepTable
 from vpf_sim.evaluation.sweeps.manifest import HASHED
 from vpf_sim.evaluation.verification.mismatch import Mismatch

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from vpf_sim.evaluation.metrics.records import Record, short
-from vpf_sim.evaluation.scores import Json
+from vpf_sim.evaluation.score_keys import Json
 from vpf_sim.evaluation.sweeps.fingerprint import digest
 from vpf_sim.evaluation.sweeps.manifest import Manifest
 

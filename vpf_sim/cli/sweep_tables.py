@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from vpf_sim.api.progress import FAULTS
-from vpf_sim.cli.tables import number, percent, plain_unit, print_table, shown, within
+from vpf_sim.cli.output import number, percent, plain_unit, print_table, shown, within
 from vpf_sim.evaluation.analysis.rows import Comparison, Row, Summary, read_summary
 from vpf_sim.evaluation.analysis.statistics import Difference
 from vpf_sim.evaluation.metrics.metric import Metric

@@ -1,7 +1,14 @@
-"""Plain-text tables."""
+"""What commands print: tables, the keys of TOML files, and the streams that they print to."""
 
+import io
+import os
+import sys
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from dataclasses import MISSING
+from typing import TYPE_CHECKING, Any, TextIO
+
+from vpf_sim.cli.options import print_json
+from vpf_sim.configuration_fields import Setting, sections, walk
 
 if TYPE_CHECKING:
     from vpf_sim.evaluation.metrics.metric import Metric
@@ -71,3 +78,70 @@ def percent_within(share: float | None, interval: Sequence[float] | None) -> str
     """A share and its interval as percentages with one decimal."""
     scaled = None if interval is None else [100.0 * end for end in interval]
     return within(None if share is None else 100.0 * share, scaled, 1)
+
+
+def print_keys(config: type, json: bool) -> None:
+    """Print each key with its default, its meaning and its bounds."""
+    rows = [
+        {"key": path, "default": _default(one), "meaning": one.meaning, "bounds": one.bounds}
+        for path, one in walk(config)
+        if not sections(one.hint)
+    ]
+    if json:
+        print_json({"keys": rows})
+        return
+    for row in rows:
+        row["meaning"] += f" ({row.pop('bounds')})" if row["bounds"] else ""
+    print_table(("key", "default", "meaning"), [[row[key] for key in ("key", "default", "meaning")] for row in rows], 3)
+
+
+def _default(setting: Setting) -> str:
+    return "" if setting.default is MISSING else toml_value(setting.default)
+
+
+def toml_value(value: Any) -> str:
+    """A value as a TOML file has it; none stands for no value."""
+    if isinstance(value, tuple | list):
+        return f"[{', '.join(map(toml_value, value))}]"
+    if isinstance(value, bool | None):
+        return "none" if value is None else str(value).lower()
+    return repr(value) if isinstance(value, float | int) else str(value)
+
+
+class _PipeTolerantFile(io.FileIO):
+    """A file that ignores a closed reader, as in `vpf-sim ... | head`."""
+
+    def write(self, data: Any) -> int:
+        try:
+            return super().write(data)
+        except BrokenPipeError:
+            return len(data)
+
+
+def reserve_stdout() -> None:
+    """Reserve standard output for the answer; all other writes to descriptor 1, also by native code, go to stderr.
+
+    Characters that the encoding lacks are written as escapes.
+    """
+    for name in ("stdout", "stderr"):
+        # One that the parent process closed: the next file that is opened would take its place.
+        if getattr(sys, name) is None:
+            setattr(sys, name, _text_stream(os.open(os.devnull, os.O_WRONLY), None))
+    try:
+        answer = os.dup(1)
+        os.dup2(2, 1)
+    except OSError:
+        return
+    sys.stdout = _text_stream(answer, sys.stdout)
+    sys.stderr = _text_stream(os.dup(2), sys.stderr)
+
+
+def _text_stream(descriptor: int, like: TextIO | None) -> TextIO:
+    """A text stream on a descriptor, line-buffered on a terminal and for stderr."""
+    os.set_inheritable(descriptor, False)
+    file = _PipeTolerantFile(descriptor, "w")
+    by_line = like is sys.stderr or file.isatty()
+    encoding = getattr(like, "encoding", None) or "utf-8"
+    return io.TextIOWrapper(
+        io.BufferedWriter(file), encoding, errors="backslashreplace", line_buffering=by_line, write_through=by_line
+    )
