@@ -115,7 +115,7 @@ def _all_sampled(network: RoadNetwork) -> list[LaneShape]:
     ]
 
 
-class _Geometry:
+class Geometry:
     """The shapes of a road as a key: equal where all their numbers are."""
 
     def __init__(self, shapes: list[LaneShape]) -> None:
@@ -123,7 +123,7 @@ class _Geometry:
         self._key = tuple((s.s_m.tobytes(), s.left_m.tobytes(), s.right_m.tobytes(), s.line_types) for s in shapes)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Geometry) and self._key == other._key
+        return isinstance(other, Geometry) and self._key == other._key
 
     def __hash__(self) -> int:
         return hash(self._key)
@@ -131,11 +131,11 @@ class _Geometry:
 
 def lines(shapes: list[LaneShape]) -> list[Line]:
     """The markings of the lanes; a line shared by two lanes is listed once. Cached: a road is drawn by many seeds."""
-    return list(_lines(_Geometry(shapes)))
+    return list(_lines(Geometry(shapes)))
 
 
 @lru_cache(maxsize=ROADS)
-def _lines(road: _Geometry) -> list[Line]:
+def _lines(road: Geometry) -> list[Line]:
     kept: list[Line] = []
     drawn: list[cKDTree] = []
     for shape in road.shapes:
@@ -187,11 +187,11 @@ class Edge:
 
 def outer_edges(shapes: list[LaneShape]) -> list[Edge]:
     """The outer edges of the carriageway, in stretches along one lane each. Cached, as `lines` are."""
-    return list(_outer_edges(_Geometry(shapes)))
+    return list(_outer_edges(Geometry(shapes)))
 
 
 @lru_cache(maxsize=ROADS)
-def _outer_edges(road: _Geometry) -> list[Edge]:
+def _outer_edges(road: Geometry) -> list[Edge]:
     edges, shapes = [], road.shapes
     strips = [_Strip.of(shape) for shape in shapes]
     for shape, strip in zip(shapes, strips, strict=True):

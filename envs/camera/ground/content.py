@@ -1,6 +1,7 @@
 """The ground as content of the core: paint, shadows, palette, haze, and its levels with their grain."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import log2
 
 import numpy as np
@@ -126,8 +127,9 @@ def texel_lengths(camera: Camera, level: Level) -> Floats:
     return np.asarray(0.5 * np.abs(ahead[2:] - ahead[:-2]))
 
 
+@lru_cache(maxsize=1)
 def noise_tiles() -> Image:
-    """(2, TILE, TILE) noise about 128: of the grain, and of blotches."""
+    """(2, TILE, TILE) noise about 128: of the grain, and of blotches. The same on every road."""
     tiles = grain_tile("ground", shortest=3.0, slope=0.2), grain_tile("blotches", shortest=3.0, slope=1.0)
     return np.stack([tile[:TILE, :TILE] for tile in tiles])
 
@@ -166,7 +168,8 @@ def _areas_m2(polygons: Floats) -> Floats:
 def _kept(polygons: Floats) -> NDArray[np.bool_]:
     """(n, V) which vertices differ from the one before."""
     kept = np.ones(polygons.shape[:2], bool)
-    kept[:, 1:] = (polygons[:, 1:] != polygons[:, :-1]).any(axis=2)
+    x, y = polygons[..., 0], polygons[..., 1]
+    kept[:, 1:] = (x[:, 1:] != x[:, :-1]) | (y[:, 1:] != y[:, :-1])
     return kept
 
 

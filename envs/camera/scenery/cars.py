@@ -1,6 +1,7 @@
 """Cars: a lower body with bonnet and boot, a cabin with windows, lights, plates, wheels."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -51,8 +52,12 @@ STYLES = (
 
 def car(length: float, width: float, height: float, rng: np.random.Generator) -> Mesh:
     """A car that fills its box; the seed sets style and paint."""
-    style = STYLES[int(rng.integers(len(STYLES)))]
-    paint = PAINTS[int(rng.integers(len(PAINTS)))]
+    return _built(length, width, height, STYLES[int(rng.integers(len(STYLES)))], PAINTS[int(rng.integers(len(PAINTS)))])
+
+
+@lru_cache(maxsize=len(STYLES) * len(PAINTS))
+def _built(length: float, width: float, height: float, style: Style, paint: Colour) -> Mesh:
+    """Cached: most cars have one size."""
     builder = MeshBuilder()
     _underside(builder, length, width)
     _lower_body(builder, length, width, style.belt * height, style, paint)

@@ -127,6 +127,7 @@ def gantry(width: float, lane_middles_m: tuple[float, ...], seed: int) -> tuple[
     return (*legs, b.build())
 
 
+@lru_cache(maxsize=64)
 def _gantry_leg(y: float) -> Mesh:
     b = MeshBuilder()
     foot = ((-0.3, y - 0.35, 0.0), (0.3, y + 0.35, 0.8), (150.0, 149.0, 146.0))

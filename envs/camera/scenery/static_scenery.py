@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vpf_sim.envs.camera.layout import LaneShape
+from vpf_sim.envs.camera.layout import Geometry, LaneShape
 from vpf_sim.envs.camera.light import Light
 from vpf_sim.envs.camera.scenery import roadside, trees
 from vpf_sim.envs.camera.scenery.trees import BUSHES, HEIGHTS_M, VARIANTS, Trees
@@ -19,7 +19,7 @@ class StaticScenery:
     """The static scenery of one road."""
 
     def __init__(self, camera: Camera, shapes: list[LaneShape], seed: int) -> None:
-        verge = Verge(shapes)
+        verge = Verge.of(Geometry(shapes))
         self._camera = camera
         self.furniture = verge.furniture(stream(seed, "scenery"))
         self.trees = planted(verge, stream(seed, "trees"))

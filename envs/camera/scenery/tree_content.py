@@ -1,5 +1,6 @@
 """The trees of a road as content of the core."""
 
+from functools import lru_cache
 from math import ceil
 
 import cv2
@@ -18,19 +19,25 @@ from vpf_sim.envs.camera.scenery.trees import (
     Trees,
     tree_picture,
 )
-from vpf_sim.types import Floats
+from vpf_sim.types import Floats, Image
 
 
 def plant(core: Core, trees: Trees, light: Light, haze: Haze) -> None:
     """Set the trees of a road."""
-    tint = np.diag([*(np.ones(3) if light.has_lamps else (light.sky + 0.5 * light.direct) / NOON), 1.0])
+    tint = tuple((np.ones(3) if light.has_lamps else (light.sky + 0.5 * light.direct) / NOON).tolist())
     pictures = [tree_picture(variant) for variant in range(VARIANTS)]
-    for picture, range_m in zip(pictures, RANGES_M, strict=True):
-        levels = [np.asarray(cv2.transform(level, tint), np.uint8) for level in picture.levels]
-        core.add_tree(range_m, levels, _hazes(range_m, light, haze))
+    for variant, range_m in enumerate(RANGES_M):
+        core.add_tree(range_m, _tinted(variant, tint), _hazes(range_m, light, haze))
     frames = np.array([(p.left, p.top, p.width, p.height) for p in pictures])
     placed = frames[trees.variants] * trees.heights_m[:, None]
     core.plant(np.column_stack([trees.feet_m, placed, trees.variants]))
+
+
+@lru_cache(maxsize=4 * VARIANTS)
+def _tinted(variant: int, tint: tuple[float, ...]) -> list[Image]:
+    """A tree's picture in a light, with mip levels. Cached: roads of one weather have one light."""
+    colours = np.diag([*tint, 1.0])
+    return [np.asarray(cv2.transform(level, colours), np.uint8) for level in tree_picture(variant).levels]
 
 
 def _hazes(range_m: float, light: Light, haze: Haze) -> Floats:

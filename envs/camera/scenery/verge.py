@@ -2,11 +2,12 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from vpf_sim.envs.camera.layout import Edge, LaneShape, outer_edges
+from vpf_sim.envs.camera.layout import ROADS, Edge, Geometry, LaneShape, outer_edges
 from vpf_sim.envs.camera.scenery.furniture import LAMP_M, LAMP_POST, POST, gantry, rail
 from vpf_sim.envs.camera.scenery.roadside import Placement
 from vpf_sim.envs.camera.scenery.signs import SIGNS, chevron
@@ -42,6 +43,12 @@ class Side:
 
 class Verge:
     """The strips of ground beside a road."""
+
+    @staticmethod
+    @lru_cache(maxsize=ROADS)
+    def of(road: Geometry) -> "Verge":
+        """The verge of a road. Cached: a road is drawn by many seeds."""
+        return Verge(road.shapes)
 
     def __init__(self, shapes: list[LaneShape]) -> None:
         self._lanes = cKDTree(np.concatenate([_dense(shape) for shape in shapes]))
