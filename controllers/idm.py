@@ -33,7 +33,7 @@ def load_gains() -> Gains:
     return configuration.build(Gains, table, "gains.toml: [idm]")
 
 
-class Twin(IDMVehicle):  # type: ignore[misc]
+class EgoCopy(IDMVehicle):  # type: ignore[misc]
     """An IDMVehicle that copies the ego's state and never moves by itself."""
 
     # highway-env's defaults, held here since its intersection changes those of its class for the whole process
@@ -64,25 +64,25 @@ class Idm:
         self._gains = gains
         self._setup = setup
         self._world = world
-        self._twin: Twin | None = None
+        self._copy: EgoCopy | None = None
         self._ego: Vehicle | None = None
 
     def command(self, observation: Observation) -> Command:
         """The command for one step of 1 / rate_hz."""
-        if self._twin is None:
-            self._twin = self._new_twin(observation)
+        if self._copy is None:
+            self._copy = self._new_copy(observation)
         else:
-            self._twin.sync(observation, 1.0 / self._setup.rate_hz)
-        self._twin.road.vehicles = [vehicle for vehicle in self._world.vehicles if vehicle is not self._ego]
-        self._twin.act()
-        vehicle, action = self._setup.vehicle, self._twin.action
+            self._copy.sync(observation, 1.0 / self._setup.rate_hz)
+        self._copy.road.vehicles = [vehicle for vehicle in self._world.vehicles if vehicle is not self._ego]
+        self._copy.act()
+        vehicle, action = self._setup.vehicle, self._copy.action
         acceleration = float(action["acceleration"])
         throttle = acceleration / vehicle.full_mps2(acceleration)
         steering = float(action["steering"]) / vehicle.steering_limit_rad
         return Command(min(max(throttle, -1.0), 1.0), min(max(steering, -1.0), 1.0))
 
-    def _new_twin(self, observation: Observation) -> Twin:
-        """The twin on its own road, which has the world's lanes and objects.
+    def _new_copy(self, observation: Observation) -> EgoCopy:
+        """The copy on its own road, which has the world's lanes and objects.
 
         The ego is the vehicle nearest to the observation. `neighbour_vehicles_connected_lanes` includes leaders on the
         next segment of a lane.
@@ -95,4 +95,4 @@ class Idm:
             np_random=stream(self._setup.seed, "idm"),
             neighbour_vehicles_connected_lanes=True,
         )
-        return Twin(self._gains, road, observation, self._setup)
+        return EgoCopy(self._gains, road, observation, self._setup)

@@ -115,21 +115,21 @@ class Flow:
     first_pose: Floats  # (N, 3) of the vehicle then
     age_frames: NDArray[np.int64]  # (N,) frames since then
     structure: Floats  # (N, 2, 2) mean structure tensor of the window about the point, grey levels^2 / px^2
-    stuck: Bools = field(default_factory=lambda: np.empty(0, np.bool_))  # (N,) on the glass; left out, none is
-    covered: NDArray[np.int64] = field(
+    on_glass: Bools = field(default_factory=lambda: np.empty(0, np.bool_))  # (N,) on the glass; left out, none is
+    occluded: NDArray[np.int64] = field(
         default_factory=lambda: np.empty(0, np.int64)
     )  # identities of others, unseen now
 
     def __post_init__(self) -> None:
-        if len(self.stuck) != len(self.points_px):
-            object.__setattr__(self, "stuck", np.zeros(len(self.points_px), np.bool_))
+        if len(self.on_glass) != len(self.points_px):
+            object.__setattr__(self, "on_glass", np.zeros(len(self.points_px), np.bool_))
 
     def __len__(self) -> int:
         return len(self.points_px)
 
-    def chosen(self, rows: Integers) -> "Flow":
+    def select(self, rows: Integers) -> "Flow":
         """Some of the points, (n,) by their rows."""
-        points = [name for name in Flow.__slots__ if name not in ("pose", "covered")]
+        points = [name for name in Flow.__slots__ if name not in ("pose", "occluded")]
         return replace(self, **{name: getattr(self, name)[rows] for name in points})
 
 
@@ -180,7 +180,7 @@ class LateralExtents(LateralExtent[Floats]):
 
     __slots__: tuple[str, ...] = ()
 
-    def chosen(self, which: Bools) -> Self:
+    def select(self, which: Bools) -> Self:
         """Those of which `which` (K,) is true."""
         return type(self)(*(getattr(self, name)[which] for name in self.__slots__))
 

@@ -130,7 +130,7 @@ class Replayed:
     def update(self, *_: object, **__: object) -> object:
         return next(self._records)
 
-    def carried(self, *_: object) -> object:
+    def predicted(self, *_: object) -> object:
         return next(self._records)
 
     def turn(self, down_rad: float) -> None:

@@ -18,10 +18,10 @@ def street(count: int, seed: int = 0) -> Floats:
     return np.column_stack([forward, right, rng.uniform(0.0, 2.5, count)])
 
 
-def flow_of(points_px: Floats, past_px: Floats, moved_m: float, stuck: Bools | None = None) -> Flow:
+def flow_of(points_px: Floats, past_px: Floats, moved_m: float, on_glass: Bools | None = None) -> Flow:
     """Points (N, 2) where they are, and where they were a window before, of a car that is told to have moved so far.
 
-    Which of them are `stuck` (N,) the tracker has told by their lives.
+    Which of them are `on_glass` (N,) the tracker has recognised by their lives.
     """
     count = len(points_px)
     past = np.tile([-moved_m, 0.0, 0.0], (count, 1))
@@ -36,7 +36,7 @@ def flow_of(points_px: Floats, past_px: Floats, moved_m: float, stuck: Bools | N
         first_pose=past,
         age_frames=np.full(count, 3),
         structure=np.tile(np.eye(2), (count, 1, 1)),
-        stuck=np.zeros(count, np.bool_) if stuck is None else stuck,
+        on_glass=np.zeros(count, np.bool_) if on_glass is None else on_glass,
     )
 
 

@@ -24,7 +24,7 @@ from vpf_sim.evaluation.metrics.records import Record, unscored
 from vpf_sim.evaluation.sweeps.manifest import Manifest
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import RunFolder
-from vpf_sim.reporting import answer, cells, clips, page
+from vpf_sim.reporting import cells, clips, headline, page
 from vpf_sim.reporting.cells import DRIVING, Order
 from vpf_sim.reporting.run_data import open_run
 
@@ -113,10 +113,10 @@ def test_the_page_is_complete_and_loads_nothing(written: Path) -> None:
         assert loading not in shown, loading
 
 
-def test_answer_and_films_come_first_and_all_but_the_results_is_folded(written: Path) -> None:
+def test_findings_and_films_come_first_and_all_but_the_results_is_folded(written: Path) -> None:
     parts = Reader(written.read_text()).parts
-    assert [name for name, is_open in parts if is_open] == ["answer", "films", "results"]
-    assert [name for name, _ in parts[:3]] == ["answer", "films", "results"]
+    assert [name for name, is_open in parts if is_open] == ["findings", "films", "results"]
+    assert [name for name, _ in parts[:3]] == ["findings", "films", "results"]
     folded = [name for name, is_open in parts if not is_open]
     assert {"failures", "paths", "commands", "scores", "accuracy", "made"} <= set(folded)
     assert len(set(folded)) == len(folded)
@@ -124,9 +124,9 @@ def test_answer_and_films_come_first_and_all_but_the_results_is_folded(written: 
 
 def test_the_answer_has_a_picture(written: Path) -> None:
     html = written.read_text()
-    answer_part = html[html.index('<section id="answer">') : html.index('<section id="films">')]
-    assert answer_part.count("<svg") == 1
-    assert "Reached the goal" in answer_part
+    findings_part = html[html.index('<section id="findings">') : html.index('<section id="films">')]
+    assert findings_part.count("<svg") == 1
+    assert "Reached the goal" in findings_part
 
 
 def test_no_film_is_empty(written: Path) -> None:
@@ -139,7 +139,7 @@ def test_no_film_is_empty(written: Path) -> None:
 
 def test_without_videos_there_is_no_section_of_films(run: Path) -> None:
     html = page.make(open_run(run), 0, lambda _: None)
-    assert [name for name, _ in Reader(html).parts[:2]] == ["answer", "results"]
+    assert [name for name, _ in Reader(html).parts[:2]] == ["findings", "results"]
     assert "<video" not in html
 
 
@@ -164,8 +164,8 @@ def test_the_title_says_what_is_compared_where_and_when(run: Path, tmp_path: Pat
     ],
 )
 def test_titles_name_a_few(plan: Plan, expected: str) -> None:
-    assert answer.title(plan) == expected
-    assert answer.title(plan, date(2026, 11, 26)) == f"{expected} — 26 Nov 2026"
+    assert headline.title(plan) == expected
+    assert headline.title(plan, date(2026, 11, 26)) == f"{expected} — 26 Nov 2026"
 
 
 def test_its_numbers_are_the_summarys(run: Path, written: Path) -> None:
@@ -282,9 +282,9 @@ def test_the_answer_has_successes_with_intervals_and_the_papers_mse() -> None:
     ]
     jobs = [Job("town04", "clear", driver, seed) for seed in range(10) for driver in ORDER.drivers]
     records = {job.id: unscored(job, "success") for job in jobs if job.driver == "vpf" or job.seed < 4}
-    against = answer.of_two(jobs, records, ORDER)
+    against = headline.of_two(jobs, records, ORDER)
     assert against == paired_shares(np.ones(10, bool), np.arange(10) < 4)
-    success, same_seeds, third = answer.sentences(rows, ORDER, against, "benchmark")
+    success, same_seeds, third = headline.sentences(rows, ORDER, against, "benchmark")
     low, high = (f"{100.0 * end:.0f}" for end in share_interval(9, 10))
     assert success.startswith(
         f"vpf reached the goal in 9 of 10 episodes (95 % interval: {low} to {high} %), pid in 5 of 10"
@@ -292,12 +292,12 @@ def test_the_answer_has_successes_with_intervals_and_the_papers_mse() -> None:
     assert same_seeds.startswith("On the same seeds vpf reached it 60 percentage points more often than pid (")
     assert same_seeds.endswith("p = 0.031).")
     assert third.startswith("Path MSE of vpf, m²: 0.428 (clear, with obstacles; paper 0.74).")
-    assert len(answer.sentences(rows, ORDER, against)) == 2, "the paper's is for its benchmark"
+    assert len(headline.sentences(rows, ORDER, against)) == 2, "the paper's is for its benchmark"
 
 
 def test_the_answer_of_one_driver_says_where_it_failed() -> None:
     rows = [row("vpf", "town04", 4), row("vpf", "town04-clean", 5)]
-    (only,) = answer.sentences(rows, Order(("town04-clean", "town04"), ("clear",), ("vpf",)), None)
+    (only,) = headline.sentences(rows, Order(("town04-clean", "town04"), ("clear",), ("vpf",)), None)
     assert only.endswith(" %): 4 of 5 on town04 in clear, all in the others.")
 
 

@@ -140,7 +140,7 @@ def test_the_page_begins_with_the_answer(tmp_path: Path) -> None:
     assert first.startswith("b reached the goal in 10 of 12 episodes, a in 9: 8 percentage points more often than a (")
     assert second == "Of 12 episodes 2 now reach the goal, 1 no longer do."
     assert third.startswith("Better: path MSE −0.265 m² (")
-    order = [html.index(f'id="{name}"') for name in ("answer", "changes", "scores", "endings", "made")]
+    order = [html.index(f'id="{name}"') for name in ("findings", "changes", "scores", "endings", "made")]
     assert order == sorted(order)
     assert re.findall(r'<details id="(\w+)" open>', html) == ["scores"]
     assert "<video" not in html, "nothing without a film"

@@ -65,11 +65,11 @@ def drive(
         redirect_stdout(stdout),
     ):
         filling.warn([episode.result.record])
-        answer(episode, json)
+        print_episode(episode, json)
     raise typer.Exit(0 if episode.status == "success" else 1)
 
 
-def answer(episode: "Episode", as_json: bool) -> None:
+def print_episode(episode: "Episode", as_json: bool) -> None:
     """Print how an episode ended, or its record as JSON."""
     from vpf_sim.evaluation.metrics.registry import CLEARANCE, COMPLETION
 

@@ -19,14 +19,14 @@ def doctor(json: JsonOption = False) -> None:
     """
     from vpf_sim.machine.doctor import examine
 
-    answer, checks = sys.stdout, []
+    output, checks = sys.stdout, []
     with prints_on_stderr():
         for check in examine():
             checks.append(check)
             if not json:
                 remedy = f"; {check.remedy}" if check.remedy else ""
                 line = f"{'ok' if check.ok else 'FAIL':<6}{check.name:<16}{check.found}{remedy}"
-                print(line, file=answer, flush=True)
+                print(line, file=output, flush=True)
     all_ok = all(check.ok for check in checks)
     if json:
         print_json({"ok": all_ok, "checks": [asdict(check) for check in checks]})

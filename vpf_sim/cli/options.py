@@ -1,4 +1,4 @@
-"""Options that commands share, and how they print answers."""
+"""Options that commands share, and how they print results."""
 
 import json
 import sys
@@ -99,16 +99,16 @@ def prints_on_stderr() -> redirect_stdout[TextIO]:
     return redirect_stdout(sys.stderr)
 
 
-def print_json(answer: dict[str, Any]) -> None:
+def print_json(content: dict[str, Any]) -> None:
     """Print one JSON object on stdout."""
-    json.dump(answer, sys.stdout, indent=2, allow_nan=False)
+    json.dump(content, sys.stdout, indent=2, allow_nan=False)
     sys.stdout.write("\n")
 
 
 def print_validity(name: str, check: Callable[[], dict[str, str]], as_json: bool) -> None:
     """Print that an input is valid, with what `check` found; its InputError is a fault.
 
-    In JSON, the faults are part of the answer, and the exit code is 2 as well.
+    In JSON, the faults are part of the output, and the exit code is 2 as well.
     """
     try:
         found = check()

@@ -119,7 +119,7 @@ class _PipeTolerantFile(io.FileIO):
 
 
 def reserve_stdout() -> None:
-    """Reserve standard output for the answer; all other writes to descriptor 1, also by native code, go to stderr.
+    """Reserve standard output for the result; all other writes to descriptor 1, also by native code, go to stderr.
 
     Characters that the encoding lacks are written as escapes.
     """
@@ -128,11 +128,11 @@ def reserve_stdout() -> None:
         if getattr(sys, name) is None:
             setattr(sys, name, _text_stream(os.open(os.devnull, os.O_WRONLY), None))
     try:
-        answer = os.dup(1)
+        result = os.dup(1)
         os.dup2(2, 1)
     except OSError:
         return
-    sys.stdout = _text_stream(answer, sys.stdout)
+    sys.stdout = _text_stream(result, sys.stdout)
     sys.stderr = _text_stream(os.dup(2), sys.stderr)
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vpf_sim.cli.drive import SeedOption, VideoOption, answer
+from vpf_sim.cli.drive import SeedOption, VideoOption, print_episode
 from vpf_sim.cli.options import (
     DRIVER,
     JsonOption,
@@ -64,7 +64,7 @@ def play(
             ) as episode,
             redirect_stdout(stdout),
         ):
-            answer(episode, json)
+            print_episode(episode, json)
         if len(episode.result.steps):
             hands.close(view.last(_words(episode)))
     raise typer.Exit(0 if episode.status == "success" else 1)

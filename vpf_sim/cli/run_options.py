@@ -39,7 +39,7 @@ OPTIONS: dict[str, Any] = {
 
 @dataclass(frozen=True, slots=True)
 class RunOptions(Execution):
-    """Which seeds are driven, how, and whether the answer is JSON; each field is an option."""
+    """Which seeds are driven, how, and whether the output is JSON; each field is an option."""
 
     seeds: str | None = None
     json: bool = False
@@ -68,7 +68,7 @@ def with_run_options(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def plan_of(run: RunOptions, requested: bool, make: "Callable[[], Plan]") -> "Plan":
-    """The plan that `make` returns, or the stored one where a run is resumed and nothing else was asked."""
+    """The plan that `make` returns, or the stored one where a run is resumed and nothing else was given."""
     from vpf_sim.evaluation.run_inputs import RunInputs
     from vpf_sim.evaluation.sweeps.manifest import MANIFEST, read_manifest, stored_plan
     from vpf_sim.evaluation.sweeps.plan import parse_seeds

@@ -39,7 +39,7 @@ def report(
 ) -> None:
     """Write a run, or two compared, as one HTML page.
 
-    It opens offline, and has the answer with intervals, videos of failures or changes, tables and charts.
+    It opens offline, and has the findings with intervals, videos of failures or changes, tables and charts.
     """
     from vpf_sim.api.report import report as write
     from vpf_sim.reporting.two_runs import open_two

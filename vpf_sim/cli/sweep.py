@@ -32,7 +32,7 @@ DryRunOption = Annotated[bool, typer.Option("--dry-run", help="Show what would b
 DEFAULTS: dict[str, Any] = {"scenario": ["town04"], "weather": ["clear"], "driver": ["vpf"], "seeds": "0:5"}
 ReportOption = Annotated[bool, typer.Option("--report/--no-report", help="Write report.html, with videos of failures.")]
 if TYPE_CHECKING:
-    from vpf_sim.reporting.paper_page import Answer
+    from vpf_sim.reporting.paper_page import Findings
 
 
 @with_run_options
@@ -149,7 +149,7 @@ def reproduce(run: RunOptions, driver: DriverOption = "vpf-paper") -> None:
     path = fill("reproduce", plan, run)
     stored, tested = open_run(path), plan.driver[0]
     drives = paper_page.drives_of(stored, tested)
-    found = paper_page.answer(stored, tested, drives)
+    found = paper_page.findings(stored, tested, drives)
     with prints_on_stderr():
         page = paper_page.write(path, drives, found)
     if run.json:
@@ -161,7 +161,7 @@ def reproduce(run: RunOptions, driver: DriverOption = "vpf-paper") -> None:
     raise typer.Exit(exit_code(stored_summary(path)))
 
 
-def _print_paper(found: "Answer") -> None:
+def _print_paper(found: "Findings") -> None:
     """The table, then the claims."""
     from vpf_sim.cli.output import number, print_table
 

@@ -126,7 +126,7 @@ def _remarks(data: RunData, written: Sequence[Written]) -> list[str]:
 
 
 def as_json(found: Exported) -> dict[str, Any]:
-    """The answer of the command line."""
+    """What the command line prints."""
     return {
         "out": str(found.path),
         "format": found.format,

@@ -175,7 +175,7 @@ class Perceiver:
     @timed("prediction")
     def _predicted(self, last: Perception, observation: Observation, pose: Floats) -> Perception:
         """The last frame's perception at another pose, by the car's own motion and the obstacles' motion."""
-        road = self._trackers.road.carried(pose, observation.speed_mps, observation.yaw_rate_radps)
+        road = self._trackers.road.predicted(pose, observation.speed_mps, observation.yaw_rate_radps)
         return replace(
             last,
             obstacles=self._moved(last, observation, pose),

@@ -169,7 +169,7 @@ def _without_main() -> Iterator[None]:
 
 
 def _send(worker: "_Worker[Task]", task: Task, attempt: int, limit_s: "Limit[Task]") -> None:
-    """Send the task; a dead worker is noticed when its answer is read."""
+    """Send the task; a dead worker is noticed when its result is read."""
     worker.task, worker.attempt, worker.limit_s, worker.started_s = task, attempt, limit_s(task), monotonic() + START_S
     with suppress(BrokenPipeError, ConnectionResetError):
         worker.connection.send((task, worker.limit_s))
@@ -192,8 +192,8 @@ def _receive(worker: "_Worker[Task]", waiting: "deque[tuple[Task, int]]") -> "Do
     task, attempt = worker.task, worker.attempt
     assert task is not None
     try:
-        answer = worker.connection.recv()
-        if isinstance(answer, _Started):
+        result = worker.connection.recv()
+        if isinstance(result, _Started):
             worker.started_s = monotonic()
             return None
         worker.task = None
@@ -204,9 +204,9 @@ def _receive(worker: "_Worker[Task]", waiting: "deque[tuple[Task, int]]") -> "Do
             waiting.appendleft((task, attempt + 1))
             return None
         return Done(task, None, attempt, worker.number, _reason(worker))
-    if isinstance(answer, BaseException):
-        raise answer
-    return Done(task, answer, attempt, worker.number)
+    if isinstance(result, BaseException):
+        raise result
+    return Done(task, result, attempt, worker.number)
 
 
 def _reason(worker: "_Worker[Task]") -> str:
@@ -234,10 +234,10 @@ def _serve(connection: Connection, log_file: str, work: Callable[[Any], Any]) ->
         connection.send(_Started())
         try:
             with at_most(limit_s, log):
-                answer = work(task)
+                result = work(task)
         except Exception as error:
-            answer = error
-        connection.send(answer)
+            result = error
+        connection.send(result)
 
 
 def _end_with_parent(log_file: str) -> None:

@@ -135,7 +135,7 @@ def _observations(
         flow = replace(flow, gap_s=times_s[frame.index] - times_s[frame.index - steps])  # true times of uneven frames
         moves = _moves(flow, camera, fixed)
         if moves:
-            flow = camera_fixed_points.without(flow, flow.stuck)
+            flow = camera_fixed_points.without(flow, flow.on_glass)
         known = np.isfinite(recorded[frame.index])
         yield _Observation(frame.index, flow, float(speed[frame.index]) if known else np.inf, rate, moves)
         straight += abs(rate) < STRAIGHT_RADPS
@@ -149,7 +149,7 @@ def _scene_flow(tracker: FlowTracker, image: Image, along_m: float, fixed: Fixed
     if fixed is None:
         return tracker.update(image, pose)
     flow = tracker.update(fixed.filled(image), pose, fixed.hidden)
-    return flow.chosen(np.flatnonzero(fixed.scene(flow.points_px)))
+    return flow.select(np.flatnonzero(fixed.scene(flow.points_px)))
 
 
 def _moves(flow: Flow, camera: Camera, fixed: FixedStructure | None) -> bool | None:

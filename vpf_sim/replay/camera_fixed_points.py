@@ -27,7 +27,7 @@ Artefact = Literal["bonnet", "overlay", "glass"]
 
 def without(flow: Flow, chosen: Bools) -> Flow:
     """The flow without the chosen points."""
-    return flow.chosen(np.flatnonzero(~chosen))
+    return flow.select(np.flatnonzero(~chosen))
 
 
 def moves(flow: Flow, camera: Camera) -> bool:
@@ -66,7 +66,7 @@ class CameraFixedPoints:
 
     def add(self, flow: Flow) -> None:
         """Count a frame in which the car moves."""
-        rides = flow.stuck
+        rides = flow.on_glass
         self._frames += 1
         self._shares.append(float(np.mean(rides)) if len(flow) else 0.0)
         place: Floats = flow.points_px[rides] / self._size * [CELLS[1], CELLS[0]]

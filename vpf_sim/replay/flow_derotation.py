@@ -56,8 +56,8 @@ class FlowDerotation:
         """Ego motion at a grey (H, W) frame, `moved_m` after the last one by the odometer."""
         self._along_m += moved_m
         flow = self._tracker.update(grey, np.array([self._along_m, 0.0, 0.0]))
-        shows_scene = ~flow.stuck if self._fixed is None else ~flow.stuck & self._fixed.scene(flow.points_px)
-        scene = flow.chosen(np.flatnonzero(shows_scene))  # camera-fixed points carry no motion
+        shows_scene = ~flow.on_glass if self._fixed is None else ~flow.on_glass & self._fixed.scene(flow.points_px)
+        scene = flow.select(np.flatnonzero(shows_scene))  # camera-fixed points carry no motion
         rate = yaw_rate(scene, self._camera) if len(scene) else nan
         straightened = turning(scene, rate if len(scene) else 0.0)
         found = expansion.estimate(straightened, self._camera, self._config, self._random, self._expansion)

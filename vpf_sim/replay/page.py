@@ -13,7 +13,7 @@ from vpf_sim.replay.frame_table import table_path, video_path
 from vpf_sim.replay.plots import OURS, THEIRS, plots
 from vpf_sim.replay.readers import general
 from vpf_sim.replay.tables import tables
-from vpf_sim.reporting.answer import listed
+from vpf_sim.reporting.headline import listed
 from vpf_sim.reporting.kit.clip import Clip
 from vpf_sim.reporting.kit.page import formatted, render
 

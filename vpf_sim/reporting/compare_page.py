@@ -1,4 +1,4 @@
-"""The page that compares two runs: the answer, what changed in pictures, and every score with its interval."""
+"""The page that compares two runs: the findings, what changed in pictures, and every score with its interval."""
 
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 from vpf_sim.evaluation.analysis.statistics import share_interval
 from vpf_sim.evaluation.metrics.registry import SUCCESS
 from vpf_sim.evaluation.sweeps.manifest import change
-from vpf_sim.reporting import answer, changes, endings, video
+from vpf_sim.reporting import changes, endings, headline, video
 from vpf_sim.reporting.cells import shown
 from vpf_sim.reporting.kit import interval_chart
 from vpf_sim.reporting.kit.interval_chart import Dot
@@ -27,7 +27,7 @@ def make(runs: TwoRuns, count: int, notify: Callable[[str], None]) -> str:
         title=title(runs),
         labels=runs.labels,
         styles=changes.STYLES,
-        answers=sentences(runs, overall),
+        findings=sentences(runs, overall),
         picture=_picture(runs, cells),
         changes=[changes.make(runs, pair, notify) for pair in chosen],
         any_changed=any(pair.changed for pair in runs.pairs),
@@ -43,9 +43,9 @@ def title(runs: TwoRuns) -> str:
     """What is compared, where, on which seeds, and when; a renamed driver or weather is named once, at the front."""
     columns = zip(*runs.cells(), strict=True)
     scenarios, weathers, drivers = (
-        answer.listed([name for name in dict.fromkeys(column) if AGAINST not in name]) for column in columns
+        headline.listed([name for name in dict.fromkeys(column) if AGAINST not in name]) for column in columns
     )
-    days = dict.fromkeys(answer.day(begun) for one in (runs.b, runs.a) if (begun := one.run.begun))
+    days = dict.fromkeys(headline.day(begun) for one in (runs.b, runs.a) if (begun := one.run.begun))
     seeds = endings.ranges(sorted({pair.jobs[0].seed for pair in runs.pairs}))
     what = f"{runs.labels[1]} against {runs.labels[0]}{f': {drivers}' if drivers else ''} on {scenarios}"
     return " — ".join(filter(None, (what, weathers, f"seeds {seeds}", " against ".join(days))))
@@ -58,7 +58,7 @@ def sentences(runs: TwoRuns, overall: dict[str, Compared]) -> list[str]:
     of = len(runs.pairs)
     found = [
         f"{b} reached the goal in {reached[1]} of {of} episodes, {a} in {reached[0]}: "
-        f"{answer.difference(success, a)}{_decided(overall[SUCCESS.key])}."
+        f"{headline.difference(success, a)}{_decided(overall[SUCCESS.key])}."
     ]
     changed = [pair for pair in runs.pairs if pair.changed]
     fixed = sum(pair.records[1].succeeded for pair in changed)
@@ -113,7 +113,7 @@ def _table(rows: Sequence[tuple[tuple[str, ...], dict[str, Compared]]], names: t
                     one.verdict,
                     *(Value(formatted(value, *number), value=value) for value in (one.a, one.b)),
                     Value(_signed(difference.difference, *number), value=difference.difference),
-                    *(ends, answer.probability(difference.p).removeprefix("= "), str(difference.pairs)),
+                    *(ends, headline.probability(difference.p).removeprefix("= "), str(difference.pairs)),
                 )
             )
     header = (*names, "score", "verdict", "A", "B", "B − A", "95 % interval", "p", "pairs")
@@ -135,7 +135,7 @@ def _endings(runs: TwoRuns) -> Table:
 def _made(runs: TwoRuns) -> Iterator[tuple[str, str]]:
     """Both folders, what differs between their versions, and what was not compared."""
     for letter, one in zip("AB", (runs.a, runs.b), strict=True):
-        yield letter, f"{one.run.path}: {answer.title(one.plan, one.run.begun)}"
+        yield letter, f"{one.run.path}: {headline.title(one.plan, one.run.begun)}"
     a, b = (one.run.manifest.fingerprint for one in (runs.a, runs.b))
     yield "versions", change(a, b) if a != b else "the same"
     yield "without a partner", "{} episodes of A, {} of B".format(*runs.left_out)

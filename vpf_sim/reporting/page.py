@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 from vpf_sim.errors import InputError
-from vpf_sim.reporting import abilities, answer, cells, clips, endings, figures, tables, video
+from vpf_sim.reporting import abilities, cells, clips, endings, figures, headline, tables, video
 from vpf_sim.reporting.cells import shown
 from vpf_sim.reporting.clips import EpisodeClip
 from vpf_sim.reporting.kit import interval_chart
@@ -26,15 +26,15 @@ def make(run: StoredRun, clip_count: int, notify: Notify) -> str:
 
 
 def _headline(run_data: RunData) -> dict[str, Any]:
-    """The title, the answer, and the run's plan and fingerprint."""
-    against = answer.of_two(run_data.jobs, run_data.records, run_data.order)
+    """The title, the findings, and the run's plan and fingerprint."""
+    against = headline.of_two(run_data.jobs, run_data.records, run_data.order)
     return {
         "command": run_data.command,
         "plan": run_data.plan,
         "order": run_data.order,
         "weathers": [*map(shown, run_data.order.weathers)],
-        "title": answer.title(run_data.plan, run_data.run.begun),
-        "answers": answer.sentences(run_data.rows, run_data.order, against, run_data.command),
+        "title": headline.title(run_data.plan, run_data.run.begun),
+        "findings": headline.sentences(run_data.rows, run_data.order, against, run_data.command),
         "driven": len(run_data.records),
         "planned": len(run_data.jobs),
         "folder": str(run_data.run.path),

@@ -181,7 +181,7 @@ def _png(figure: Any) -> bytes:
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class Findings:
     """The content of paper.json."""
 
     driver: str
@@ -201,16 +201,16 @@ def drives_of(run: StoredRun, driver: str) -> list[Drive]:
     return found
 
 
-def answer(run: StoredRun, driver: str, drives: list[Drive]) -> Answer:
+def findings(run: StoredRun, driver: str, drives: list[Drive]) -> Findings:
     """The tables and claims of a run."""
     rows = reproduction.cells(drives)
     timing = [run.timing[drive.record.id] for drive in drives if drive.record.id in run.timing]
     times = [time.stages_ms["driver"] for time in timing if "driver" in time.stages_ms]
     found = claims(rows, drives, float(np.median(times)) if times else None)
-    return Answer(driver, rows, reproduction.definitions(rows), found)
+    return Findings(driver, rows, reproduction.definitions(rows), found)
 
 
-def write(folder: Path, drives: list[Drive], found: Answer) -> Path:
+def write(folder: Path, drives: list[Drive], found: Findings) -> Path:
     """Write paper.json, the figures as PNG files, and the page with all of it; the page's path."""
     figures = _figures(drives)
     for name, picture in figures.items():
@@ -220,14 +220,14 @@ def write(folder: Path, drives: list[Drive], found: Answer) -> Path:
     return folder / PAGE
 
 
-def page(found: Answer, figures: Mapping[str, bytes]) -> str:
+def page(found: Findings, figures: Mapping[str, bytes]) -> str:
     """The page as HTML; `figures` are PNG files by name."""
     drawn = [(*FIGURES[name], data_uri("image/png", figure)) for name, figure in figures.items()]
     title = f"The paper's simulator table, and {found.driver}"
     return render("paper.html.jinja", title=title, tables=tables(found), pictures=drawn)
 
 
-def tables(found: Answer) -> tuple[Table, Table, Table]:
+def tables(found: Findings) -> tuple[Table, Table, Table]:
     """The paths, the claims, and the accuracies by each definition."""
     columns = [column for signal in SIGNALS for column in (f"{signal}, %", "off, points", "same order")]
     return (

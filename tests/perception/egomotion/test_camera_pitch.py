@@ -93,7 +93,7 @@ def test_the_pitch_is_found(left_too: bool) -> None:
     for frame in range(FRAMES):
         flow = scene.flow(frame)
         shown = np.flatnonzero(left_too | (flow.points_px[:, 0] > CAMERA.cx_px + 20.0))
-        found.update(flow.chosen(shown), scene.foe(frame))
+        found.update(flow.select(shown), scene.foe(frame))
         pitches.append(found.pitch_rad)
     true = [pitch(frame, 0.4) for frame in range(FRAMES)]
     assert pitches[60:] == pytest.approx(true[60:], abs=radians(0.06))

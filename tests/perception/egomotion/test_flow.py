@@ -180,12 +180,12 @@ def test_corners_on_the_glass_are_told_from_those_that_move_and_take_no_place() 
         for x, y in spots:
             cv2.circle(frame, (int(x), int(y)), 6, 255, -1)
         flow = tracker.update(frame, np.array([0.15 * k, 0.0, 0.0]))
-        counts.append(np.count_nonzero(~flow.stuck))
+        counts.append(np.count_nonzero(~flow.on_glass))
     distance = np.min(np.hypot(*(flow.points_px[:, None] - spots).T), axis=0)
     followed = np.abs(np.hypot(*flow.displacement_px.T)) > 3.0
-    assert np.count_nonzero(flow.stuck) > 10
-    assert np.all(distance[flow.stuck] < 15.0)  # radius of a spot, half a window and the corner between
-    assert not np.any(flow.stuck & followed)
+    assert np.count_nonzero(flow.on_glass) > 10
+    assert np.all(distance[flow.on_glass] < 15.0)  # radius of a spot, half a window and the corner between
+    assert not np.any(flow.on_glass & followed)
     assert counts[-1] > 0.8 * ROBUST.points
 
 

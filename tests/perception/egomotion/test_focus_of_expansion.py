@@ -98,7 +98,7 @@ def test_outliers_leave_the_robust_estimate_in_place(share: float) -> None:
 
 def test_the_covariance_grows_with_the_noise_of_few_points() -> None:
     flow = flow_on_circle(1e9, 0.1)
-    few = flow.chosen(np.arange(0, len(flow), 10))
+    few = flow.select(np.arange(0, len(flow), 10))
     many = estimate(flow, CAMERA, ROBUST.focus_of_expansion, stream(0, "foe"))
     less = estimate(few, CAMERA, ROBUST.focus_of_expansion, stream(0, "foe"))
     assert less.covariance_px2[0, 0] > 4.0 * many.covariance_px2[0, 0]
@@ -150,7 +150,7 @@ def stuck_to_the_glass(flow: Flow, count: int) -> Flow:
         "points_px": spots, "displacement_px": np.zeros((count, 2)), "gap_s": np.full(count, 0.1),
         "past_pose": np.tile(flow.past_pose[0], (count, 1)), "identity": 1000 + np.arange(count), "first_px": spots,
         "first_pose": np.tile(flow.past_pose[0], (count, 1)), "age_frames": np.full(count, 6),
-        "structure": np.tile(100.0 * np.eye(2), (count, 1, 1)), "stuck": np.ones(count, np.bool_),
+        "structure": np.tile(100.0 * np.eye(2), (count, 1, 1)), "on_glass": np.ones(count, np.bool_),
     }  # fmt: skip
     fields = {name: np.concatenate([getattr(flow, name), values]) for name, values in more.items()}
     return Flow(pose=flow.pose, **fields)

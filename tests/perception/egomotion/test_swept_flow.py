@@ -106,7 +106,7 @@ def test_the_motion_is_right_for_points_that_did_not_come_back_where_they_were_e
 
     told = flows(FlowTracker(CAMERA, HELD, 60.0), [behind_blade(grown(k), k) for k in range(FRAMES)])
     clear = flows(FlowTracker(CAMERA, HELD, 60.0), [grown(k) for k in range(FRAMES)])
-    covered = np.unique(np.concatenate([flow.covered for flow in told]))
+    covered = np.unique(np.concatenate([flow.occluded for flow in told]))
     came_back = np.intersect1d(covered, told[-1].identity)
     assert len(came_back) > 50
     assert np.percentile(errors_px(told, came_back), 90) < np.percentile(errors_px(clear, came_back), 90) + 0.1
@@ -117,12 +117,12 @@ def test_a_trail_leads_evenly_to_where_a_point_is_seen_again() -> None:
     tracks = Tracks.none(4)
     tracks.append(np.zeros((2, 2)), np.zeros((2, 2, 2)), np.zeros(3), 0)
     tracks.trail[:, :, 0] = -np.arange(5.0)[:, None]  # before this frame, newest first
-    tracks.covered[:] = 0, 3
+    tracks.occluded[:] = 0, 3
     tracks.uncover(np.array([1]), np.array([[0.0, 1.5]]))
     assert tracks.trail[:, 0, 1] == pytest.approx(np.zeros(5))
     assert tracks.trail[:, 1, 1] == pytest.approx([1.0, 0.5, 0.0, 0.0, 0.0])
     assert tracks.trail[:, 1, 0] == pytest.approx(-np.arange(5.0))
-    assert tracks.covered.tolist() == [0, 0]
+    assert tracks.occluded.tolist() == [0, 0]
 
 
 def test_what_the_check_forward_and_backward_refuses_is_no_wiper() -> None:
@@ -139,7 +139,7 @@ def test_what_the_check_forward_and_backward_refuses_is_no_wiper() -> None:
     for one, other in zip(
         told, flows(FlowTracker(CAMERA, replace(plain, wiper=VARIANT.flow.wiper), 10.0), frames), strict=True
     ):
-        assert len(other.covered) == 0
+        assert len(other.occluded) == 0
         assert len(other) >= 0.9 * len(one)
 
 
@@ -154,7 +154,7 @@ def test_a_sweep_ends_where_its_last_point_leaves_the_picture() -> None:
             frame[200:230, x : x + 60] = 110  # something covers half of it for a moment
         frames.append(moved(scene, 0.5 * k - 60.0, 0.0) if k > 90 else frame)
     told = flows(FlowTracker(CAMERA, HELD, 60.0), frames)
-    assert any(len(flow.covered) for flow in told)
+    assert any(len(flow.occluded) for flow in told)
     assert len(told[-1]) > 200
 
 

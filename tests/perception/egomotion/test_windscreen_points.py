@@ -1,11 +1,11 @@
-"""Points stuck to the glass: told by the motion that they lack."""
+"""Points on the windscreen: recognised by the motion that they lack."""
 
 import numpy as np
 import pytest
 from driver_settings import ROBUST
 
 from vpf_sim.perception.egomotion.ground_plane import past_image
-from vpf_sim.perception.egomotion.windscreen_points import least_motion, scene_motion, stuck
+from vpf_sim.perception.egomotion.windscreen_points import least_motion, on_glass, scene_motion
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats
 
@@ -37,7 +37,7 @@ def test_scenery_moves_at_least_as_far_as_is_said(past: tuple[float, float, floa
     now, before, poses = seen(np.array(past))
     least = least_motion(*scene_motion(CAMERA, now, poses, HERE))
     assert np.all(np.hypot(*(now - before).T) > 0.85 * least - 0.5)
-    assert not stuck(CAMERA, now, before, poses, HERE, CONFIG).any()
+    assert not on_glass(CAMERA, now, before, poses, HERE, CONFIG).any()
 
 
 def test_the_road_moves_exactly_so() -> None:
@@ -53,7 +53,7 @@ def test_spots_on_the_glass_are_found_where_scenery_would_have_moved() -> None:
     rng = stream(1, "spots")
     spots = rng.uniform([0.0, 0.0], [640.0, 480.0], (400, 2))
     past = np.tile([-3.0, 0.0, 0.0], (400, 1))
-    found = stuck(CAMERA, spots, spots + rng.normal(0.0, 0.15, (400, 2)), past, HERE, CONFIG)
+    found = on_glass(CAMERA, spots, spots + rng.normal(0.0, 0.15, (400, 2)), past, HERE, CONFIG)
     far = np.abs(spots[:, 1] - CAMERA.cy_px) < 15.0  # near the horizon the scene hardly moves
     assert found[spots[:, 1] > CAMERA.cy_px + 60.0].all()
     assert not found[far & (np.abs(spots[:, 0] - CAMERA.cx_px) < 60.0)].any()
@@ -62,9 +62,9 @@ def test_spots_on_the_glass_are_found_where_scenery_would_have_moved() -> None:
 
 def test_nothing_is_stuck_while_the_car_stands() -> None:
     spots = stream(2, "spots").uniform([0.0, 0.0], [640.0, 480.0], (100, 2))
-    assert not stuck(CAMERA, spots, spots, np.tile(HERE, (100, 1)), HERE, CONFIG).any()
+    assert not on_glass(CAMERA, spots, spots, np.tile(HERE, (100, 1)), HERE, CONFIG).any()
 
 
 def test_a_turn_alone_gives_spots_away() -> None:
     spots = stream(3, "spots").uniform([0.0, 0.0], [640.0, 480.0], (100, 2))
-    assert stuck(CAMERA, spots, spots, np.tile([0.0, 0.0, -0.05], (100, 1)), HERE, CONFIG).all()
+    assert on_glass(CAMERA, spots, spots, np.tile([0.0, 0.0, -0.05], (100, 1)), HERE, CONFIG).all()

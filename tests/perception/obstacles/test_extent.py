@@ -283,7 +283,7 @@ def test_the_nearer_of_two_tracks_is_matched() -> None:
     for order in (tracks, tracks[::-1]):
         seen = seen_wide(points, standing(*order))
         assert (seen.left_m[0], seen.right_m[0]) == pytest.approx((1.0, 1.75))
-    none_seen = standing((8.0, 1.0, 1.2)).chosen(np.array([False]))
+    none_seen = standing((8.0, 1.0, 1.2)).select(np.array([False]))
     assert seen_wide(points, none_seen) is points
     assert len(seen_wide(none_seen, standing(*tracks))) == 0
 

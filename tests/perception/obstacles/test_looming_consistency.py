@@ -82,7 +82,7 @@ def test_a_wiper_leaves_results() -> None:
     approached(looming, 2, False, 6.0)
     assert reported(looming, 2, 6.0) == [True] * 2
     nothing = seen(CORNERS_M[:0], 6.0, 1.0, 0.0)
-    looming.record(replace(nothing, covered=np.arange(2)))
+    looming.record(replace(nothing, occluded=np.arange(2)))
     looming.record(seen(5.0 * CORNERS_M[:1], 30.0, 1.0, 0.0))
     assert reported(looming, 1, 6.0) == [True]
 

@@ -193,7 +193,7 @@ def test_lone_points_can_be_set_aside() -> None:
 
 def test_an_empty_flow_gives_an_empty_map() -> None:
     flow, _ = drive_towards(None)
-    empty = flow.chosen(np.arange(0))
+    empty = flow.select(np.arange(0))
     for method in ("otsu_flow", "otsu_residual", "absolute"):
         found = detect(empty, CAMERA, replace(MAP, method=method))  # type: ignore[arg-type]
         assert not found.plane.any()

@@ -117,7 +117,7 @@ class PitchEstimator:
 
     def _change(self, flow: Flow, foe: Expansion, turned: Derotated, gap_s: float, config: DynamicPitchConfig) -> float:
         """Change of the pitch in rad over the windows of `gap_s`."""
-        chosen = np.flatnonzero((np.abs(flow.gap_s - gap_s) < 0.5 / self._rate_hz) & ~flow.stuck)
+        chosen = np.flatnonzero((np.abs(flow.gap_s - gap_s) < 0.5 / self._rate_hz) & ~flow.on_glass)
         if foe.confidence == 0.0 or len(chosen) < config.least_points:
             return 0.0
         points, displacement = flow.points_px.take(chosen, axis=0), turned.flow_px.take(chosen, axis=0)

@@ -11,7 +11,7 @@ from vpf_sim.perception.egomotion.corners import inverse, is_corner, structure_t
 from vpf_sim.perception.egomotion.egomotion_settings import Band, FlowConfig, SettledPointConfig, WiperConfig
 from vpf_sim.perception.egomotion.ground_plane import ground_flow
 from vpf_sim.perception.egomotion.tracks import Tracks
-from vpf_sim.perception.egomotion.windscreen_points import stuck
+from vpf_sim.perception.egomotion.windscreen_points import on_glass
 from vpf_sim.perception.quantiles import median
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image
 
@@ -137,7 +137,7 @@ class FlowTracker:
         tracks.trail = np.concatenate([now[None], tracks.trail[:-1]])
         tracks.age, tracks.next_age = tracks.age + 1, tracks.next_age + 1
         tracks.keep(good)
-        if not tracks.covered.any():
+        if not tracks.occluded.any():
             self._held = None
 
     def _tracked(self, before: Image, after: Image) -> tuple[Floats, Bools, Bools, Singles]:
@@ -145,7 +145,7 @@ class FlowTracker:
 
         Covered points are not tracked: `_hold` searches for them.
         """
-        points, seen = self._tracks.trail[0], np.flatnonzero(self._tracks.covered == 0)
+        points, seen = self._tracks.trail[0], np.flatnonzero(self._tracks.occluded == 0)
         now, (found, good) = points.copy(), np.zeros((2, len(points)), np.bool_)
         error = np.zeros(len(points), np.float32)
         if len(seen):
@@ -162,8 +162,8 @@ class FlowTracker:
     ) -> tuple[Floats, Bools]:
         """(N, 2) where points are now, and (N,) which are kept, if a wiper's blade sweeps across them.
 
-        A point that jumps or looks different is covered: it is predicted, not reported, and searched for in every frame
-        by its window before the sweep. Without a sweep, a point that jumps is lost.
+        A point that jumps or changes its appearance is occluded: it is predicted, not reported, and searched for in
+        every frame by its window before the sweep. Without a sweep, a point that jumps is lost.
         """
         tracks = self._tracks
         jumps, turn = self._jumps(now_px, found)
@@ -176,11 +176,11 @@ class FlowTracker:
         seen = found & ~jumps
         usual = median(error[seen]) if seen.any() else 0.0
         limit = max(wiper.covered_levels, wiper.covered_ratio * usual)
-        covered = ~seen | (error > limit)
-        now = self._search(frames[1], now_px, covered, turn, limit)
-        kept = covered | good
+        occluded = ~seen | (error > limit)
+        now = self._search(frames[1], now_px, occluded, turn, limit)
+        kept = occluded | good
         if self._frame >= self._held_until:  # a point that has not come back by now was a drop
-            kept &= tracks.covered == 0
+            kept &= tracks.occluded == 0
         return now, kept
 
     def _jumps(self, now_px: Floats, found: Bools) -> tuple[Bools, Floats]:
@@ -194,13 +194,13 @@ class FlowTracker:
         turn = np.array([median(part) for part in jump[known].T])
         return known & (squares(jump - turn) > self._jump_px**2), turn
 
-    def _search(self, after: Image, now_px: Floats, covered: Bools, turn_px: Floats, limit: float) -> Floats:
-        """(N, 2) where points are now; covered ones where they are found again, or predicted."""
+    def _search(self, after: Image, now_px: Floats, occluded: Bools, turn_px: Floats, limit: float) -> Floats:
+        """(N, 2) where points are now; occluded ones where they are found again, or predicted."""
         tracks = self._tracks
-        tracks.covered = np.where(covered, tracks.covered + 1, 0)
+        tracks.occluded = np.where(occluded, tracks.occluded + 1, 0)
         expected = 2.0 * tracks.trail[0] - tracks.trail[1] + turn_px
-        now = np.where(covered[:, None], expected, now_px)
-        sought = np.flatnonzero(covered)
+        now = np.where(occluded[:, None], expected, now_px)
+        sought = np.flatnonzero(occluded)
         if len(sought) and self._held is not None:
             place, found, differs = self._lucas_kanade(self._held, after, tracks.held_px[sought], expected[sought])
             aside = place - expected[sought]
@@ -210,8 +210,8 @@ class FlowTracker:
         return now
 
     def _report(self, pose: Floats) -> Flow:
-        covered = self._tracks.covered > 0
-        tracks = self._tracks.chosen(~covered) if self.is_swept else self._tracks
+        occluded = self._tracks.occluded > 0
+        tracks = self._tracks.select(~occluded) if self.is_swept else self._tracks
         frames = np.minimum(tracks.age, self._window_frames)
         now, past, first = (
             undistort(self.camera, points)
@@ -231,14 +231,14 @@ class FlowTracker:
             first_pose=tracks.first_pose,
             age_frames=tracks.age,
             structure=tracks.structure,
-            stuck=tracks.stuck & still[:, 0] & still[:, 1],
-            covered=self._tracks.identity[covered],
+            on_glass=tracks.on_glass & still[:, 0] & still[:, 1],
+            occluded=self._tracks.identity[occluded],
         )
 
     def _mark_windscreen_points(self, pose: Floats) -> None:
         tracks, config = self._tracks, self.config.windscreen_points
         if config is not None and len(tracks):
-            tracks.stuck = stuck(self.camera, tracks.trail[0], tracks.first_px, tracks.first_pose, pose, config)
+            tracks.on_glass = on_glass(self.camera, tracks.trail[0], tracks.first_px, tracks.first_pose, pose, config)
 
     def _update_structure(self, image: Image) -> None:
         """Update a part of the structure tensors in every frame: a corner far away may be an edge from near.
@@ -248,7 +248,7 @@ class FlowTracker:
         tracks = self._tracks
         if self.config.corner_test is None:
             return
-        due = np.flatnonzero(((tracks.identity + self._frame) % self._period_frames == 0) & (tracks.covered == 0))
+        due = np.flatnonzero(((tracks.identity + self._frame) % self._period_frames == 0) & (tracks.occluded == 0))
         if not len(due):
             return
         tensor = structure_tensor(image, tracks.trail[0, due], self.config.window_px)
@@ -272,7 +272,7 @@ class FlowTracker:
                 self._drop_settled(rows, quota, self.config.settled_points)
             points = self._tracks.trail[0]
             inside = _in_band(points, rows)
-            wanted = quota - np.count_nonzero(inside & ~self._tracks.stuck)
+            wanted = quota - np.count_nonzero(inside & ~self._tracks.on_glass)
             if wanted >= max(1, quota // 20):
                 self._add(self._corners(image, rows, points[inside], int(wanted), hidden), image, pose)
 

@@ -116,7 +116,7 @@ def _robust(
     points[:, 0] += turned.shift_px
     steps = np.maximum(flow.gap_s * rate_hz, 1.0)
     length = np.hypot(turned.flow_px[:, 0], turned.flow_px[:, 1])
-    voters = np.flatnonzero((length > config.min_flow_px) & ~flow.stuck)
+    voters = np.flatnonzero((length > config.min_flow_px) & ~flow.on_glass)
     tolerance = np.sqrt(steps) * (config.tolerance_px + config.tolerance_ratio * length / steps)
     prior = _prior(camera, config, before, rate_hz)
     points, moved, gap_s, tolerance = (
@@ -127,7 +127,7 @@ def _robust(
         return _held(before, camera, config, rate_hz, len(flow))
     inliers = np.zeros(len(flow), np.bool_)
     inliers[voters] = found.inliers
-    share = float(np.count_nonzero(found.inliers)) / (len(voters) + np.count_nonzero(flow.stuck))
+    share = float(np.count_nonzero(found.inliers)) / (len(voters) + np.count_nonzero(flow.on_glass))
     spread_rad = sqrt(found.covariance_px2[0, 0] + found.covariance_px2[1, 1]) / camera.fx_px
     x, y = (float(value) for value in found.foe_px)
     return Expansion(x, y, found.covariance_px2, inliers, min(1.0, share / (1.0 + spread_rad / config.sharp_rad)))

@@ -22,9 +22,9 @@ class Tracks:
     next_px: Floats  # (N, 2) the observation that will replace the first
     next_pose: Floats  # (N, 3)
     next_age: NDArray[np.int64]  # (N,) frames since then
-    stuck: Bools  # (N,) on the windscreen
-    covered: NDArray[np.int64]  # (N,) frames for which it has been covered; 0: visible
-    held_px: Floats  # (N, 2) where it was before it was last covered
+    on_glass: Bools  # (N,) on the windscreen
+    occluded: NDArray[np.int64]  # (N,) frames for which it has been occluded; 0: visible
+    held_px: Floats  # (N, 2) where it was before it was last occluded
 
     @classmethod
     def none(cls, window_frames: int) -> "Tracks":
@@ -44,7 +44,7 @@ class Tracks:
         for name in self.__slots__:  # `take` is five times as fast as an index
             setattr(self, name, getattr(self, name).take(rows, axis=1 if name == "trail" else 0))
 
-    def chosen(self, chosen: Bools) -> "Tracks":
+    def select(self, chosen: Bools) -> "Tracks":
         """Some of the points."""
         some = copy(self)
         some.keep(chosen)
@@ -52,14 +52,14 @@ class Tracks:
 
     def uncover(self, rows: NDArray[np.intp], aside_px: Floats) -> None:
         """Points are found again, `aside_px` (n, 2) from the prediction: bend their trails to there."""
-        frames, steps = self.covered[rows], np.arange(len(self.trail))[:, None]
+        frames, steps = self.occluded[rows], np.arange(len(self.trail))[:, None]
         share = np.maximum(frames - 1 - steps, 0) / frames
         self.trail[:, rows] += share[..., None] * aside_px
-        self.covered[rows] = 0
+        self.occluded[rows] = 0
 
     def renew_first(self, frames: int, pose: Floats) -> None:
         """Where the next observation is `frames` old, it becomes the first, and the present one the next."""
-        due = (self.next_age >= frames) & (self.covered == 0)
+        due = (self.next_age >= frames) & (self.occluded == 0)
         if not due.any():
             return
         column = due[:, None]

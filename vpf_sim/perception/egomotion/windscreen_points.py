@@ -35,7 +35,7 @@ def least_motion(by_way_px: Floats, by_turn_px: Floats) -> Floats:
     return least
 
 
-def stuck(
+def on_glass(
     camera: Camera,
     points_px: Floats,
     first_px: Floats,

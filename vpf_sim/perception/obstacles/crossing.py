@@ -120,7 +120,7 @@ class CrossingDetector:
         least_per_m = GROUND_SHARE * np.maximum(motions.drop, 0.0) / self._camera.height_m
         moves: Bools = motions.static_chi2(least_per_m) > self._config.static_chi2
         moves &= (motions.drop > DROPS[0]) & (motions.drop < DROPS[1]) & (flow.age_frames >= 1)
-        return moves & ~flow.stuck if len(flow.stuck) else moves
+        return moves & ~flow.on_glass if len(flow.on_glass) else moves
 
 
 def _around(points_px: Floats, cluster_px: Floats) -> Bools:

@@ -118,7 +118,7 @@ def join(
     out = np.maximum(tall.left_m[None] - low.left_m[:, None], low.right_m[:, None] - tall.right_m[None])
     behind = low.forward_m[:, None] - tall.forward_m[None]
     part = (behind > -before_m) & (behind < behind_m) & (_apart_m(low, tall) < beside_m) & (out < sticks_out_m)
-    return tall.concatenate(low.chosen(~np.any(part, axis=1)))
+    return tall.concatenate(low.select(~np.any(part, axis=1)))
 
 
 def _apart_m(ones: Obstacles, others: Obstacles) -> Floats:

@@ -24,7 +24,7 @@ def among(identity: Integers, others: Integers) -> Bools:
 
 def followed(identity: Integers, flow: Flow) -> Bools:
     """(N,) which tracks are still followed, visible or covered."""
-    return among(identity, flow.identity) | among(identity, flow.covered)
+    return among(identity, flow.identity) | among(identity, flow.occluded)
 
 
 def matches(identity: Integers, others: Integers) -> tuple[Integers, Integers]:

@@ -54,7 +54,7 @@ class StaticObstacleTracker:
 
     def matched(self, flow: Flow, rows: Integers, aside_px: Floats) -> Triangulation:
         """Some points of the flow, first observed `aside_px` from where it says, and matched there."""
-        some = flow.chosen(rows)
+        some = flow.select(rows)
         return self._triangulate(replace(some, first_px=some.first_px + aside_px), np.zeros(len(rows)))
 
     def _triangulate(self, flow: Flow, age_s: Floats) -> Triangulation:

@@ -63,7 +63,7 @@ class RoadEdgeTracker:
                     self._judge(self._road, image_rgb, ridges)
         return self._report(speed_mps, yaw_rate_radps)
 
-    def carried(self, pose: Floats, speed_mps: float, yaw_rate_radps: float) -> RoadEdges:
+    def predicted(self, pose: Floats, speed_mps: float, yaw_rate_radps: float) -> RoadEdges:
         """The carriageway at `pose` by the own motion alone, without a frame."""
         self._predict(pose)
         return self._report(speed_mps, yaw_rate_radps)

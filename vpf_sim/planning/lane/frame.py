@@ -74,7 +74,7 @@ def place(obstacles: Obstacles, lane: Lane, parts: PartsConfig | None) -> LaneOb
         return LaneObstacles(along, left, right, obstacles.speed_mps)
     everything = LaneObstacles(along, left, right, obstacles.speed_mps, _lengths(along, part))
     whole: Bools = np.logical_not(part.any(axis=1))
-    return everything.chosen(whole)
+    return everything.select(whole)
 
 
 def _bounded(value: float, most: float) -> float:

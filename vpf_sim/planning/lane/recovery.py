@@ -159,15 +159,15 @@ class Recovery:
             _, gone = self._start.lane_at(observation)
             known = replace(self._start.blockers, along_m=self._start.blockers.along_m - gone)
             if new_config is None:
-                return known.chosen(known.along_m < self._config.ahead_m)
+                return known.select(known.along_m < self._config.ahead_m)
             new = np.array([name not in self._start.known for name in obstacles.identity.tolist()], np.bool_)
-            fresh = place(obstacles.chosen(new & (obstacles.width_m < new_config.width_m)), lane, parts)
+            fresh = place(obstacles.select(new & (obstacles.width_m < new_config.width_m)), lane, parts)
             blockers = known.concatenate(Blockers.of(fresh, length_m, new_config.beyond_m))
-        return blockers.chosen(blockers.along_m < self._config.ahead_m)
+        return blockers.select(blockers.along_m < self._config.ahead_m)
 
     def _best(self, found: Candidates, lane: Lane, blockers: Blockers, clearance_m: float) -> Candidates | None:
         """The drivable candidate that turns least and keeps the largest clearance."""
-        found = found.chosen(found.end + round(self._config.candidates.beyond_m / STEP_M) < found.along_m.shape[1])
+        found = found.select(found.end + round(self._config.candidates.beyond_m / STEP_M) < found.along_m.shape[1])
         for every in COARSE, 1:  # most candidates fail at a coarse check
             if not len(found):
                 return None
@@ -176,7 +176,7 @@ class Recovery:
             least = apart[:, ceil(begins_m / STEP_M / every) :].min(axis=1)
             drivable = (apart.min(axis=1) >= self._kept(clearance_m, apart[0])) & (least >= clearance_m)
             drivable &= edges >= self._edge_m
-            found, least = found.chosen(drivable), least[drivable]
+            found, least = found.select(drivable), least[drivable]
         if not len(found):
             return None
         config = self._config.cost

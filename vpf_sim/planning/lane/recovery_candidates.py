@@ -36,7 +36,7 @@ class Candidates:
     def __len__(self) -> int:
         return len(self.end)
 
-    def chosen(self, rows: "Bools | slice") -> "Candidates":
+    def select(self, rows: "Bools | slice") -> "Candidates":
         """Some of them."""
         return Candidates(
             self.along_m[rows], self.y_m[rows], self.turned_rad[rows], self.steering_rad[rows], self.end[rows]
@@ -44,7 +44,7 @@ class Candidates:
 
     def one(self, index: int) -> "Candidates":
         """A single one of them, N = 1."""
-        return self.chosen(slice(index, index + 1))
+        return self.select(slice(index, index + 1))
 
     def rest(self, step: int) -> "Candidates":
         """What is left of them after some steps."""

@@ -40,17 +40,17 @@ def measure(
         way = np.hypot(*(flow.pose[:2] - flow.first_pose[:, :2]).T)
         own = np.maximum(way * rate_hz / np.maximum(flow.age_frames, 1), 0.1)
         ripe = (way > config.least_baseline_m) & np.isfinite(inverse)
-        moves = ripe & ~flow.stuck & (drop > config.least_drop)
+        moves = ripe & ~flow.on_glass & (drop > config.least_drop)
         moves &= points.chi2 < np.maximum(config.filter.chi2_limit, config.chi2_ratio * points.chi2_ground)
         moves &= inverse + 3.0 * sigma < (1.0 - config.below_ratio) * below
         moves &= points.chi2_ground - points.chi2 > config.chi2_margin
         standing = np.where(inverse < below, points.chi2_ground, points.chi2)
     strength = np.log(np.maximum(flow.structure[:, 0, 0] + flow.structure[:, 1, 1], 1.0))
-    upright = ripe & ~flow.stuck & (drop < 0.0)
+    upright = ripe & ~flow.on_glass & (drop < 0.0)
     if np.count_nonzero(upright) < 5:  # the median of fewer is not reliable
-        upright = ripe & ~flow.stuck
+        upright = ripe & ~flow.on_glass
     contrast = strength - (median(strength[upright]) if upright.any() else 0.0)
-    return MeasuredPoints(inverse, sigma, drop, x, own, ripe, flow.stuck, standing, moves, contrast)
+    return MeasuredPoints(inverse, sigma, drop, x, own, ripe, flow.on_glass, standing, moves, contrast)
 
 
 def candidates(

@@ -168,7 +168,7 @@ class MovingObstacleTracker:
         """Update a track by its `chosen` (M,) points, `inner` (M,) of them in its outline; log-odds and its depth."""
         config, dt_s, pose = self.config, self._look_s, frame.flow.pose
         seen, own_mps, depth = frame.seen, frame.own_mps, track.depth_m(frame.flow.pose)
-        tracks, standing = frame.flow.chosen(chosen), seen.standing[chosen]
+        tracks, standing = frame.flow.select(chosen), seen.standing[chosen]
         depths = np.full(len(tracks), depth + config.filter.face_m)
         residuals = against(tracks, self.camera, track.course, depths, self.rate_hz, self._window_px, self._noise)
         fitted, behind, faster = track.fit(residuals, standing, own_mps, depth, inner)

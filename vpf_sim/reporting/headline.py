@@ -1,4 +1,4 @@
-"""The title of a report, and the answer in a few sentences with intervals."""
+"""The title of a report, and its findings in a few sentences with intervals."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import date
