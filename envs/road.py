@@ -1,7 +1,7 @@
 """highway-env roads from scenarios: exact lanes and the network of one carriageway."""
 
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import NoReturn
 
 import numpy as np
 from highway_env.road.lane import AbstractLane, LineType
@@ -64,7 +64,7 @@ class OffsetLane(AbstractLane):  # type: ignore[misc]
         """(N,) rad, `heading_at` for N points."""
         return self.centre.heading(longitudinal)
 
-    def to_config(self) -> dict[str, Any]:
+    def to_config(self) -> NoReturn:
         raise NotImplementedError("a scenario's road is written as a whole, not lane by lane")
 
 

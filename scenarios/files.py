@@ -3,9 +3,10 @@
 from importlib.resources import files
 from itertools import takewhile
 from pathlib import Path
-from typing import Any, get_args
+from typing import get_args
 
 from vpf_sim import configuration
+from vpf_sim.configuration import TomlTable
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.scenarios.highway import HighwayId, HighwayScenario
 from vpf_sim.scenarios.opendrive import road_table
@@ -56,12 +57,12 @@ def parse(text: str, file: str) -> AnyScenario:
     return of_table(configuration.parse(text, file), file)
 
 
-def as_table(scenario: AnyScenario) -> dict[str, Any]:
+def as_table(scenario: AnyScenario) -> TomlTable:
     """The tables of a file that says the same as a scenario, without a base or a map: `of_table` reads them."""
     return scenario.model_dump(mode="json", by_alias=True)
 
 
-def of_table(content: dict[str, Any], file: str) -> AnyScenario:
+def of_table(content: TomlTable, file: str) -> AnyScenario:
     """The scenario that the tables of a file describe; `file` is how messages call it."""
     content = _on_base(_with_map(content, file), file)
     if "highway_env" in content:
@@ -71,7 +72,7 @@ def of_table(content: dict[str, Any], file: str) -> AnyScenario:
     return configuration.build(Scenario, content, file, also=("base", "random", "highway_env"))
 
 
-def _with_map(content: dict[str, Any], file: str) -> dict[str, Any]:
+def _with_map(content: TomlTable, file: str) -> TomlTable:
     """The tables of a file with the road of its OpenDRIVE map, if it names one."""
     road = content.get("road")
     if not isinstance(road, dict) or "opendrive" not in road:
@@ -79,7 +80,7 @@ def _with_map(content: dict[str, Any], file: str) -> dict[str, Any]:
     return {**content, "road": road_table(road, file)}
 
 
-def _on_base(content: dict[str, Any], file: str) -> dict[str, Any]:
+def _on_base(content: TomlTable, file: str) -> TomlTable:
     """The tables of a file merged over the catalog's scenario `base`."""
     if "base" not in content:
         return content
@@ -91,13 +92,13 @@ def _on_base(content: dict[str, Any], file: str) -> dict[str, Any]:
     return _over(base, {key: value for key, value in content.items() if key != "base"})
 
 
-def _on_its_id(content: dict[str, Any]) -> dict[str, Any]:
+def _on_its_id(content: TomlTable) -> TomlTable:
     """The tables of a highway-env scenario merged over the catalog's scenario of its id."""
     section = content["highway_env"]
     name = section.get("id") if isinstance(section, dict) else None
     return _over(str(name) if name in get_args(HighwayId) else "highway-v0", content)
 
 
-def _over(base: str, content: dict[str, Any]) -> dict[str, Any]:
+def _over(base: str, content: TomlTable) -> TomlTable:
     below = _on_base(configuration.read(CATALOG, f"{base}.toml"), f"{base}.toml")
     return configuration.laid_over(below, content)

@@ -29,6 +29,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.files import read_text
 
 Config = TypeVar("Config")
+TomlTable = dict[str, Any]  # as the file has it, before a configuration class checks it
 STRICT = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
 
 
@@ -71,12 +72,12 @@ def _in_our_words(cls: type, init: Callable[..., None]) -> Callable[..., None]:
     return checked
 
 
-def read(package: str, name: str) -> dict[str, Any]:
+def read(package: str, name: str) -> TomlTable:
     """The TOML file `name` that is installed with `package`."""
     return tomllib.loads(files(package).joinpath(name).read_text("utf-8"))
 
 
-def read_file(path: Path, what: str) -> dict[str, Any]:
+def read_file(path: Path, what: str) -> TomlTable:
     """The TOML file of a user; `what` is what it should be: "scenario"."""
     try:
         return parse(read_text(path), str(path))
@@ -85,7 +86,7 @@ def read_file(path: Path, what: str) -> dict[str, Any]:
         raise InputError(f"{path}: expected a readable {what} file, got: {reason}") from None
 
 
-def parse(text: str, file: str) -> dict[str, Any]:
+def parse(text: str, file: str) -> TomlTable:
     """The table that a TOML text describes; `file` is its name in messages."""
     try:
         return tomllib.loads(text)
@@ -95,7 +96,7 @@ def parse(text: str, file: str) -> dict[str, Any]:
         raise InputError(f"{file}: expected TOML, got brackets within brackets without end") from None
 
 
-def laid_over(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+def laid_over(below: Mapping[str, Any], above: Mapping[str, Any]) -> TomlTable:
     """Tables merged key by key; any other value of `above` replaces that of `below`."""
     merged = dict(below)
     for key, value in above.items():

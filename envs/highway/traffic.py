@@ -26,6 +26,7 @@ from vpf_sim.scenarios.highway import HighwayEnv
 
 # An object that is farther aside of the route (two lanes), or farther from the ego, has no place.
 BESIDE_M, FAR_M = 8.0, 100.0
+Parameters = dict[str, Any]  # of a class of cars, by name
 NOWHERE: Place = (nan, nan)
 # The id's own action has no planned route, and with it the destination that highway-env draws would be lost.
 PLANNED = {"intersection-v1": {"action": {"type": "DiscreteMetaAction"}}}
@@ -110,13 +111,13 @@ def _every(frequency_hz: float, rate_hz: float) -> int:
 
 
 @contextmanager
-def _as_written(kind: type) -> Iterator[dict[str, Any]]:
+def _as_written(kind: type) -> Iterator[Parameters]:
     """A class of cars as its source says, while an environment is made; yields the cars' parameters, final at the end.
 
     highway-env's intersection sets parameters of its traffic on the class, and so of all traffic in the process. An
     episode must not depend on the environments before it, whoever made them.
     """
-    found, parameters = _parameters(vars(kind)), dict[str, Any]()
+    found, parameters = _parameters(vars(kind)), Parameters()
     for base in reversed(kind.__mro__):
         parameters |= _written(base)
     try:
@@ -132,13 +133,13 @@ def _as_written(kind: type) -> Iterator[dict[str, Any]]:
             setattr(kind, name, value)
 
 
-def _parameters(attributes: Mapping[str, Any]) -> dict[str, Any]:
+def _parameters(attributes: Mapping[str, Any]) -> Parameters:
     """The parameters among the attributes of a class of highway-env."""
     return {name: value for name, value in attributes.items() if name.isupper()}
 
 
 @cache
-def _written(kind: type) -> dict[str, Any]:
+def _written(kind: type) -> Parameters:
     """A class's own parameters as its source says, if it is highway-env's; another's as they are."""
     spec = find_spec(kind.__module__) if kind.__module__.startswith("highway_env.") else None
     if spec is None or spec.loader is None:

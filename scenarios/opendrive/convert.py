@@ -4,11 +4,10 @@ import math
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from vpf_sim.configuration import build
+from vpf_sim.configuration import TomlTable, build
 from vpf_sim.errors import InputError
 from vpf_sim.scenarios.opendrive import chain
 from vpf_sim.scenarios.opendrive.carriageway import Carriageway, carriageway, look
@@ -26,7 +25,7 @@ WAVES_M = (1.0, 2.0, 4.0)  # that are smoothed out, in order
 LENGTH_DIGITS = 6  # micrometres
 RADIUS_DIGITS = 9  # of all digits
 
-Segment = dict[str, Any]
+Segment = TomlTable
 
 
 def segments(elements: Iterable[Element]) -> list[Segment]:
@@ -61,20 +60,20 @@ def elements(tables: Iterable[Segment]) -> Iterator[Element]:
         yield Element(one["length_m"], first, curvature)
 
 
-def road_table(table: dict[str, Any], file: str) -> dict[str, Any]:
+def road_table(table: TomlTable, file: str) -> TomlTable:
     """The keys of `Road` for a table that names a map; `file` is the scenario's. Raises InputError."""
     wanted = build(OpenDriveFile, {"road": table}, file).road
     network = Network(Path(file).parent / wanted.opendrive, f"{file}: road.opendrive")
     return route_table(network, wanted, file, table.get("look", {}))
 
 
-def route_table(network: Network, wanted: OpenDriveRoad, file: str, own_look: dict[str, Any]) -> dict[str, Any]:
+def route_table(network: Network, wanted: OpenDriveRoad, file: str, own_look: TomlTable) -> TomlTable:
     """The same for a map that is read."""
     with np.errstate(all="ignore"):  # numbers of no road are found where they are used
         return _table(carriageway(find_route(network, wanted, file)), own_look)
 
 
-def _table(lanes: Carriageway, own_look: dict[str, Any]) -> dict[str, Any]:
+def _table(lanes: Carriageway, own_look: TomlTable) -> TomlTable:
     return {
         "lanes": lanes.lanes,
         "lane_width_m": lanes.lane_width_m,
@@ -84,7 +83,7 @@ def _table(lanes: Carriageway, own_look: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _first_that_fits(lanes: Carriageway) -> dict[str, Any]:
+def _first_that_fits(lanes: Carriageway) -> TomlTable:
     """Start, heading, segments and widths, for the first line that fits.
 
     Where no line of the map is smooth enough, a reference line is smoothed.
@@ -102,7 +101,7 @@ def _first_that_fits(lanes: Carriageway) -> dict[str, Any]:
     raise fault
 
 
-def _along(lanes: Carriageway, shifts: Shifts, wave_m: float | None = None) -> dict[str, Any]:
+def _along(lanes: Carriageway, shifts: Shifts, wave_m: float | None = None) -> TomlTable:
     """Start, heading, segments and widths, for one line, without waves shorter than about `wave_m`."""
     curve = [
         (stretch, shift, piece)

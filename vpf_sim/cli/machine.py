@@ -47,12 +47,11 @@ def profile(
 
     measured = measure(scenario, weather, steps)
     if json:
-        print_json(measured)
+        print_json(asdict(measured))
         return
-    stages, once_ms = measured["stages_ms"], measured["once_ms"]
-    yardstick_ms = measured["yardstick_ms"]
-    times = {"step": (measured["step_ms"], None), "yardstick": (yardstick_ms, yardstick_ms)}
-    times |= {name: (ms, once_ms[name]) for name, ms in stages.items()}
+    yardstick_ms = measured.yardstick_ms
+    times = {"step": (measured.step_ms, None), "yardstick": (yardstick_ms, yardstick_ms)}
+    times |= {name: (ms, measured.once_ms[name]) for name, ms in measured.stages_ms.items()}
     cells = [(name, *(part for ms in pair for part in _both(ms, yardstick_ms))) for name, pair in times.items()]
     print_table(("stage", "ms per step, mean", "x yardstick", "ms per run, median", "x yardstick"), cells)
     print(

@@ -2,7 +2,7 @@
 
 import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Annotated, Any, TextIO
@@ -42,9 +42,10 @@ def _drivers(incomplete: str) -> list[str]:
     return [name for name in drivers.names() if name.startswith(incomplete)]
 
 
-SCENARIO: dict[str, Any] = {"metavar": "SCENARIO", "autocompletion": _scenarios}
-WEATHER: dict[str, Any] = {"metavar": "WEATHER", "autocompletion": _weathers}
-DRIVER: dict[str, Any] = {"metavar": "DRIVER", "autocompletion": _drivers}
+TyperKeys = dict[str, Any]  # further keys of `typer.Argument` and `typer.Option`
+SCENARIO: TyperKeys = {"metavar": "SCENARIO", "autocompletion": _scenarios}
+WEATHER: TyperKeys = {"metavar": "WEATHER", "autocompletion": _weathers}
+DRIVER: TyperKeys = {"metavar": "DRIVER", "autocompletion": _drivers}
 ScenarioArgument = Annotated[str, typer.Argument(help="Name or file of a scenario.", **SCENARIO)]
 ScenariosOption = Annotated[
     list[str] | None, typer.Option("--scenario", help="Name or file; may be repeated.", **SCENARIO)
@@ -99,7 +100,7 @@ def prints_on_stderr() -> redirect_stdout[TextIO]:
     return redirect_stdout(sys.stderr)
 
 
-def print_json(content: dict[str, Any]) -> None:
+def print_json(content: Mapping[str, object]) -> None:
     """Print one JSON object on stdout."""
     json.dump(content, sys.stdout, indent=2, allow_nan=False)
     sys.stdout.write("\n")

@@ -1,7 +1,7 @@
 """`vpf-sim perception`: open-loop evaluation of perception on stored drives."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -10,6 +10,8 @@ from vpf_sim.cli.output import number, percent, percent_within, print_table, wit
 
 if TYPE_CHECKING:
     from vpf_sim.evaluation.perception.replay import StoredDrive
+    from vpf_sim.evaluation.perception.scores import Row
+    from vpf_sim.evaluation.perception.store import Table
 
 
 RunsArgument = Annotated[
@@ -79,7 +81,7 @@ def _fixed_set(workers: int | None) -> Path:
     return fill("sweep", plan, Execution(workers, out=folder, resume=begun, mixed=begun))
 
 
-def _differences(table: dict[str, Any], before: Any, name: Path | None) -> list[dict[str, Any]]:
+def _differences(table: "Row", before: "Table | None", name: Path | None) -> "list[Row]":
     """Differences between the drivers, and to the earlier table."""
     from vpf_sim.evaluation.perception import comparison
     from vpf_sim.evaluation.perception.store import Record
@@ -102,13 +104,12 @@ class _Progress:
         say(f"{self._done}/{self._total} {drive.record.id}")
 
 
-def _print_remarks(records: list[dict[str, Any]]) -> None:
+def _print_remarks(records: "list[Row]") -> None:
     """Print how replayed drives deviate from the stored ones."""
     for name, remark in sorted({(record["drive"], remark) for record in records for remark in record["remarks"]}):
         print(f"{name}: {remark}")
 
 
-Row = dict[str, Any]
 RATE = "false_positives_per_minute"
 OF_DETECTIONS = ("distance_error_m", "left_error_m", "right_error_m", "speed_error_mps")
 ERROR_LABELS = ("distance m", "left m", "right m", "speed m/s")
@@ -126,7 +127,7 @@ DIFFERENCES = {  # label, digits, scale
 }
 
 
-def print_totals(totals: list[Row]) -> None:
+def print_totals(totals: "list[Row]") -> None:
     """Print metrics by driver and weather, then by kind and by distance."""
     print_table(
         ("", "drives", "objects", "recall %", "precision %", "false pos./min"), [_detection_row(row) for row in totals]
@@ -147,7 +148,7 @@ def print_totals(totals: list[Row]) -> None:
     print("over the drives. [95 % intervals]")
 
 
-def print_differences(differences: list[Row]) -> None:
+def print_differences(differences: "list[Row]") -> None:
     """Print paired differences between drivers or versions."""
     for found in differences:
         print(f"\n{found['driver']} minus {found['minus']}, {_weather(found)}, {found['drives']} drives:\n")
@@ -160,20 +161,20 @@ def print_differences(differences: list[Row]) -> None:
         print("medians.")
 
 
-def _single(totals: list[Row]) -> list[Row]:
+def _single(totals: "list[Row]") -> "list[Row]":
     """Only single weathers: kinds and distances of all weathers together say little."""
     return [row for row in totals if row["weather"] != "all"]
 
 
-def _weather(row: Row) -> str:
+def _weather(row: "Row") -> str:
     return "all weathers" if row["weather"] == "all" else str(row["weather"])
 
 
-def _name(row: Row) -> str:
+def _name(row: "Row") -> str:
     return f"{row['driver']}, {_weather(row)}"
 
 
-def _detection_row(row: Row) -> tuple[str, ...]:
+def _detection_row(row: "Row") -> tuple[str, ...]:
     ends = row["intervals"]
     return (
         _name(row),
@@ -185,29 +186,29 @@ def _detection_row(row: Row) -> tuple[str, ...]:
     )
 
 
-def _frame_row(row: Row) -> tuple[str, ...]:
+def _frame_row(row: "Row") -> tuple[str, ...]:
     edges, lane = (_spread(row[key], 3) for key in ("edge_error_m", "lane_error_m"))
     return _name(row), edges, lane, _spread(row["foe_error_px"], 1)
 
 
-def _kind_row(row: Row) -> tuple[str, ...]:
+def _kind_row(row: "Row") -> tuple[str, ...]:
     return (str(row["bodies_met"]), percent(row["recall"]), number(row["first_confirmed_m"], 1), *_errors(row))
 
 
-def _band_row(row: Row) -> tuple[str, ...]:
+def _band_row(row: "Row") -> tuple[str, ...]:
     band = f"{row['from_m']:.0f}-{row['to_m']:.0f}" if row["to_m"] is not None else f"{row['from_m']:.0f}-"
     return (band, percent(row["recall"]), percent(row["precision"]), number(row[RATE]), *_errors(row))
 
 
-def _errors(row: Row) -> tuple[str, ...]:
+def _errors(row: "Row") -> tuple[str, ...]:
     return tuple(_spread(row[key], 2) for key in OF_DETECTIONS)
 
 
-def _spread(error: Row | None, digits: int) -> str:
+def _spread(error: "Row | None", digits: int) -> str:
     return "-" if error is None else f"{number(error['median'], digits)} / {number(error['p95'], digits)}"
 
 
-def _difference(found: Row | None, digits: int, scale: float) -> tuple[str, ...]:
+def _difference(found: "Row | None", digits: int, scale: float) -> tuple[str, ...]:
     if found is None:
         return "-", "-", "-", "0"
     ends = found["interval"]

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from vpf_sim.evaluation.sweeps.plan import Plan
 
 
-OPTIONS: dict[str, Any] = {
+OPTIONS: dict[str, object] = {
     "seeds": SeedsOption,
     "workers": WorkersOption,
     "timeout": TimeoutOption,

@@ -4,7 +4,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -74,7 +74,7 @@ def validate(file: FileArgument, json: JsonOption = False) -> None:
     print_validity(file, check, json)
 
 
-def _row(name: str) -> dict[str, Any]:
+def _row(name: str) -> dict[str, str]:
     """A name or alias with its preset and meaning."""
     from vpf_sim.envs.camera import weather
     from vpf_sim.gallery.weather_meaning import in_words

@@ -28,7 +28,7 @@ TRUTHS = {
 QUANTILES = {"q01": 0.01, "q10": 0.1, "q50": 0.5, "q90": 0.9, "q99": 0.99}
 LEVELS = 256
 
-Statistics = dict[str, Any]  # name -> nested list
+Statistics = dict[str, object]  # name -> nested list
 
 
 def make(

@@ -5,7 +5,6 @@ from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from vpf_sim.datasets import datasheet
 from vpf_sim.datasets.formats import Format, Place, Written
@@ -13,6 +12,7 @@ from vpf_sim.datasets.played_episode import Contents, Episode, task_of
 from vpf_sim.errors import InputError, option, unknown_name
 from vpf_sim.evaluation import pool
 from vpf_sim.evaluation.metrics.records import Record
+from vpf_sim.evaluation.score_keys import Json
 from vpf_sim.files import new_folder, write_text
 from vpf_sim.reporting.run_data import RunData, StoredRun
 
@@ -125,7 +125,7 @@ def _remarks(data: RunData, written: Sequence[Written]) -> list[str]:
     return remarks
 
 
-def as_json(found: Exported) -> dict[str, Any]:
+def as_json(found: Exported) -> Json:
     """What the command line prints."""
     return {
         "out": str(found.path),

@@ -15,6 +15,7 @@ from vpf_sim.datasets.datasheet import PixelCounts, Statistics
 from vpf_sim.datasets.formats import Place, Written, missing
 from vpf_sim.datasets.played_episode import ACTION, STATE, Contents, Episode
 from vpf_sim.errors import InputError, option
+from vpf_sim.evaluation.score_keys import Json
 from vpf_sim.evaluation.sweeps.run_folder import write_json
 from vpf_sim.files import replacing
 from vpf_sim.reporting.video import Writer, is_available
@@ -125,7 +126,7 @@ def _write_table(path: Path, columns: Columns) -> None:
     _write(path, pa.table(arrays))
 
 
-def _write_rows(path: Path, rows: list[dict[str, Any]]) -> None:
+def _write_rows(path: Path, rows: list[Json]) -> None:
     import pyarrow as pa
 
     _write(path, pa.Table.from_pylist(rows))
@@ -139,7 +140,7 @@ def _write(path: Path, table: Any) -> None:
         pq.write_table(table, draft)
 
 
-def _episode_row(one: Written) -> dict[str, Any]:
+def _episode_row(one: Written) -> Json:
     """An episode in `meta/episodes`: where its frames are, their statistics, and what it was in the run."""
     file, end = _file(one.place.episode), one.place.first_frame + one.length
     where = {f"data/{key}": value for key, value in file.items()}
@@ -166,7 +167,7 @@ def _statistics(columns: Columns, pixels: PixelCounts) -> dict[str, Statistics]:
     return {CAMERA: pixels.statistics(), **values}
 
 
-def _info(episodes: Sequence[Written], tasks: int, columns: Columns, contents: Contents) -> dict[str, Any]:
+def _info(episodes: Sequence[Written], tasks: int, columns: Columns, contents: Contents) -> Json:
     """The content of `meta/info.json`."""
     rate_hz = round(episodes[0].rate_hz)
     features = {
@@ -190,7 +191,7 @@ def _info(episodes: Sequence[Written], tasks: int, columns: Columns, contents: C
     }
 
 
-def _video_feature(contents: Contents, rate_hz: int) -> dict[str, Any]:
+def _video_feature(contents: Contents, rate_hz: int) -> Json:
     height_px, width_px = contents.height_px, contents.width_px
     of_video = {
         "video.height": height_px,

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from vpf_sim.datasets.formats import Place, Written, missing
 from vpf_sim.datasets.played_episode import ACTION, STATE, Contents, Episode
+from vpf_sim.evaluation.score_keys import Json
 from vpf_sim.evaluation.sweeps.run_folder import write_json
 from vpf_sim.files import replacing
 
@@ -83,7 +84,7 @@ def _new(file: Any, key: str, length: int, value: NDArray[Any]) -> Any:
     )
 
 
-def _metadata(folder: Path, name: str, episodes: Sequence[Written], contents: Contents) -> dict[str, Any]:
+def _metadata(folder: Path, name: str, episodes: Sequence[Written], contents: Contents) -> Json:
     size_mb = (folder / MAIN).stat().st_size / BYTES_A_MB
     return {
         "dataset_id": dataset_id(name),
@@ -107,13 +108,13 @@ def dataset_id(name: str) -> str:
     return plain if re.search(r"-v\d+$", plain) else f"{plain}-v0"
 
 
-def _observation_space(contents: Contents) -> dict[str, Any]:
+def _observation_space(contents: Contents) -> Json:
     image = _box("uint8", [*contents.shape], 0, 255)
     state = _box("float64", [len(STATE)], -inf, inf)
     return {"type": "Dict", "subspaces": {"image": image, "state": state}}
 
 
-def _box(dtype: str, shape: list[int], low: float, high: float) -> dict[str, Any]:
+def _box(dtype: str, shape: list[int], low: float, high: float) -> Json:
     """gymnasium's Box as Minari stores it."""
     bounds = {"low": np.full(shape, low).tolist(), "high": np.full(shape, high).tolist()}
     return {"type": "Box", "dtype": dtype, "shape": shape, **bounds}

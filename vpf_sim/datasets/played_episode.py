@@ -13,6 +13,7 @@ from vpf_sim.driver_interface import Observation
 from vpf_sim.envs.ending import TERMINATED
 from vpf_sim.envs.four_lane import TRUTHS
 from vpf_sim.errors import InputError, option, shown, unknown_name
+from vpf_sim.evaluation.environment import Info
 from vpf_sim.evaluation.episode.episode import read
 from vpf_sim.evaluation.episode.pose_playback import PosePlayback, rate_of
 from vpf_sim.evaluation.metrics.records import Record
@@ -77,7 +78,7 @@ class Contents:
             picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
         return picture.reshape(self.shape)
 
-    def truths(self, info: dict[str, Any]) -> dict[str, NDArray[Any]]:
+    def truths(self, info: Info) -> dict[str, NDArray[Any]]:
         """The ground truth that the environment gave with a frame, at the picture's size."""
         return {name: self._resized(name, info[name]) for name in self.truth}
 

@@ -4,18 +4,20 @@ import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from vpf_sim.errors import InputError
+from vpf_sim.evaluation.score_keys import Json
 
 if TYPE_CHECKING:
+    from vpf_sim.configuration import TomlTable
     from vpf_sim.envs.camera.weather import Weather
     from vpf_sim.scenarios import AnyScenario
 
 INPUTS = "inputs.json"  # in a run folder
 
 
-def contents(scenario: Iterable[str], weathers: Iterable[str]) -> dict[str, dict[str, Any]]:
+def contents(scenario: Iterable[str], weathers: Iterable[str]) -> dict[str, Json]:
     """What the scenario and weather files of a run say, by their names; those of the package are left out."""
     from vpf_sim import scenarios
     from vpf_sim.envs.camera import weather
@@ -89,13 +91,13 @@ class RunInputs:
     def _file(self) -> Path:
         return (self.folder or Path()) / INPUTS
 
-    def _kept(self, kind: str, name: str) -> dict[str, Any] | None:
+    def _kept(self, kind: str, name: str) -> "TomlTable | None":
         table = self._all().get(kind, {})
         if not isinstance(table, dict) or not isinstance(kept := table.get(name), dict | None):
             raise InputError(f"{self._file}: {kind}: {name}: expected a table, got something else")
         return kept
 
-    def _all(self) -> dict[str, Any]:
+    def _all(self) -> "TomlTable":
         if self.folder is None or not self._file.exists():
             return {}
         try:

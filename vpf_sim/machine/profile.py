@@ -1,6 +1,7 @@
 """Time of a step and its stages, in multiples of a yardstick on frames of the same drive."""
 
 from contextlib import closing
+from dataclasses import dataclass
 from hashlib import sha256
 from itertools import pairwise
 from math import ceil
@@ -22,7 +23,19 @@ WHOLE = ("step", "world", "driver")  # these are made of the other stages
 PAIRS = 6  # of consecutive frames for the yardstick, after each WINDOW_STEPS
 
 
-def profile(scenario: str, weather: str, steps: int) -> dict[str, Any]:
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """Times of a step, its stages and the yardstick, in ms and in yardsticks."""
+
+    step_ms: float
+    yardstick_ms: float
+    step_ratio: float
+    camera_ratio: float  # of rendering
+    stages_ms: dict[str, float]  # a step's share, by stage
+    once_ms: dict[str, float]  # by stage, over the steps in which it runs
+
+
+def profile(scenario: str, weather: str, steps: int) -> Profile:
     """Times of a step of the driver `vpf`, its stages and the yardstick, in ms and in yardsticks.
 
     `steps` is rounded up to whole half seconds. A step is act and step: render, perceive, plan, control, physics, as in
@@ -71,11 +84,12 @@ class _Drive:
         for _ in range(WARM_UP_STEPS):
             self.step()
 
-    def step(self, look: bool = False) -> Image | None:
-        """Act and step; returns the frame if the driver uses it or `look` is set."""
+    def step(self, with_frame: bool = False) -> Image | None:
+        """Act and step; returns the frame if the driver uses it or `with_frame` is set."""
         command = drivers.command_of(self._driver, read(self._observed))
         action = np.array([command.throttle, command.steering])
-        self._observed, _, *ends, _ = self._env.step(action, with_frame=look or drivers.needs_next_frame(self._driver))
+        with_frame |= drivers.needs_next_frame(self._driver)
+        self._observed, _, *ends, _ = self._env.step(action, with_frame=with_frame)
         self.ended = any(ends)
         return self._observed.get("image")
 
@@ -83,7 +97,7 @@ class _Drive:
         """Consecutive grey frames; fewer where the episode ends."""
         found: list[Image] = []
         while len(found) < number and not self.ended:
-            image = self.step(look=True)
+            image = self.step(with_frame=True)
             assert image is not None
             found.append(grey(image))
         return found
@@ -97,15 +111,15 @@ def _yardstick(before: Image, now: Image) -> None:
         cv2.calcOpticalFlowPyrLK(before, now, corners, none, winSize=(25, 25), maxLevel=2, criteria=(3, 30, 0.03))
 
 
-def _report(watch: Stopwatch, yardstick: Stopwatch) -> dict[str, Any]:
+def _report(watch: Stopwatch, yardstick: Stopwatch) -> Profile:
     a_step, once = watch.typical_ms(), watch.medians_ms()
     names = [name for name in a_step if name not in WHOLE]
     step_ms, yardstick_ms = a_step["step"], yardstick.typical_ms(PAIRS)["yardstick"]
-    return {
-        "step_ms": step_ms,
-        "yardstick_ms": yardstick_ms,
-        "step_ratio": step_ms / yardstick_ms,
-        "camera_ratio": once["render"] / yardstick_ms,
-        "stages_ms": {name: a_step[name] for name in names},
-        "once_ms": {name: once[name] for name in names},
-    }
+    return Profile(
+        step_ms,
+        yardstick_ms,
+        step_ratio=step_ms / yardstick_ms,
+        camera_ratio=once["render"] / yardstick_ms,
+        stages_ms={name: a_step[name] for name in names},
+        once_ms={name: once[name] for name in names},
+    )

@@ -7,10 +7,9 @@ if it does not. A section given as the name of a variant, `flow = "robust"`, is 
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
 
 from vpf_sim import configuration
-from vpf_sim.configuration import setting, settings
+from vpf_sim.configuration import TomlTable, setting, settings
 from vpf_sim.configuration_fields import keys, sections
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.perception.egomotion.egomotion_settings import ExpansionConfig, FlowConfig, OdometryConfig, PitchConfig
@@ -98,14 +97,14 @@ def load(name: str) -> Variant:
 
 
 @cache
-def _table(name: str) -> dict[str, Any]:
+def _table(name: str) -> TomlTable:
     """The whole table of a variant, read once: it must not be changed."""
     if name in names():
         return _whole(configuration.read(PACKAGE, f"{name}.toml"), f"{name}.toml")
     raise unknown_name("variant", name, names())
 
 
-def _whole(own: dict[str, Any], file: str) -> dict[str, Any]:
+def _whole(own: TomlTable, file: str) -> TomlTable:
     """A file's table laid over its base, with the sections that it takes from other variants."""
     named = {key: name for key, name in own.items() if key in SECTIONS and isinstance(name, str) and name != "none"}
     below = _of_variant(own["base"], file, "base") if "base" in own else {}
@@ -113,15 +112,15 @@ def _whole(own: dict[str, Any], file: str) -> dict[str, Any]:
     return {**configuration.laid_over(below, rest), **{key: _section(key, name, file) for key, name in named.items()}}
 
 
-def _section(key: str, name: str, file: str) -> dict[str, Any]:
+def _section(key: str, name: str, file: str) -> TomlTable:
     """A section of the variant `name`."""
-    found: dict[str, Any] | None = _of_variant(name, file, key).get(key)
+    found: TomlTable | None = _of_variant(name, file, key).get(key)
     if found is None:
         raise InputError(f"{file}: {key}: expected a variant with [{key}], got '{name}'")
     return found
 
 
-def _of_variant(name: object, file: str, key: str) -> dict[str, Any]:
+def _of_variant(name: object, file: str, key: str) -> TomlTable:
     if not isinstance(name, str) or name.endswith(".toml"):
         raise InputError(f"{file}: {key}: expected the name of a variant, got {name!r}")
     try:

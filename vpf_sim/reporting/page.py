@@ -1,14 +1,13 @@
 """The report of a run: one self-contained HTML file without scripts."""
 
 from collections.abc import Callable
-from typing import Any
 
 from vpf_sim.errors import InputError
 from vpf_sim.reporting import abilities, cells, clips, endings, figures, headline, tables, video
 from vpf_sim.reporting.cells import shown
 from vpf_sim.reporting.clips import EpisodeClip
 from vpf_sim.reporting.kit import interval_chart
-from vpf_sim.reporting.kit.page import render
+from vpf_sim.reporting.kit.page import Content, render
 from vpf_sim.reporting.run_data import RunData, StoredRun
 from vpf_sim.system import command
 
@@ -25,7 +24,7 @@ def make(run: StoredRun, clip_count: int, notify: Notify) -> str:
     return render("report.html.jinja", **content, clips=_clips(run_data, clip_count, notify))
 
 
-def _headline(run_data: RunData) -> dict[str, Any]:
+def _headline(run_data: RunData) -> Content:
     """The title, the findings, and the run's plan and fingerprint."""
     against = headline.of_two(run_data.jobs, run_data.records, run_data.order)
     return {
@@ -45,7 +44,7 @@ def _headline(run_data: RunData) -> dict[str, Any]:
     }
 
 
-def _charts(run_data: RunData) -> dict[str, Any]:
+def _charts(run_data: RunData) -> Content:
     found = figures.sections(run_data)
     return {
         "sections": found.drawn,
@@ -56,7 +55,7 @@ def _charts(run_data: RunData) -> dict[str, Any]:
     }
 
 
-def _tables(run_data: RunData) -> dict[str, Any]:
+def _tables(run_data: RunData) -> Content:
     rows, order, records = run_data.rows, run_data.order, list(run_data.records.values())
     compared = run_data.summary.comparisons
     return {
@@ -81,7 +80,7 @@ def _tables(run_data: RunData) -> dict[str, Any]:
     }
 
 
-def _failures(run_data: RunData) -> dict[str, Any]:
+def _failures(run_data: RunData) -> Content:
     found = endings.endings(run_data.failures(), run_data.run.reason)
     example = found[0].example if found else ""
     return {

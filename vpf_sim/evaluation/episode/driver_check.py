@@ -49,9 +49,9 @@ def _drive(driver: Driver, where: str, text: str) -> None:
                 stage = f"frame {frame}"
                 command = drivers.command_of(driver, read(observed))
                 drivers.trace_of(driver)
-                look = drivers.needs_next_frame(driver)
+                with_frame = drivers.needs_next_frame(driver)
                 observed, _, terminated, truncated, _ = env.step(
-                    np.array([command.throttle, command.steering]), with_frame=look
+                    np.array([command.throttle, command.steering]), with_frame=with_frame
                 )
                 if terminated or truncated:
                     break

@@ -8,10 +8,9 @@ import numpy as np
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.analysis.statistics import Difference, paired_difference, paired_shares
 from vpf_sim.evaluation.metrics.perception import DUE_M
-from vpf_sim.evaluation.perception.scores import ALL, ERRORS, RATE
+from vpf_sim.evaluation.perception.scores import ALL, ERRORS, RATE, Row
 from vpf_sim.evaluation.perception.store import MetObject, Record
 
-Row = dict[str, Any]
 Pair = tuple[Record, Record]
 
 

@@ -16,6 +16,7 @@ from vpf_sim.evaluation.analysis.summary import interval
 from vpf_sim.evaluation.metrics import perception
 from vpf_sim.evaluation.metrics.perception import DUE_M, KINDS
 from vpf_sim.evaluation.perception.scorer import DriveEvaluation
+from vpf_sim.scenarios.kinds import ObjectKind
 from vpf_sim.types import Bools, Floats, Integers
 
 ALL = "all"  # all weathers
@@ -31,7 +32,7 @@ ERRORS = (*OF_DETECTIONS, *OF_FRAMES)
 SHARES = ("recall", "precision")
 RATE = "false_positives_per_minute"
 
-Row = dict[str, Any]
+Row = dict[str, Any]  # of the JSON table
 
 
 def record(evaluation: DriveEvaluation) -> Row:
@@ -43,7 +44,7 @@ def record(evaluation: DriveEvaluation) -> Row:
     return {**named, **metrics([evaluation]), "bodies": objects, **source}
 
 
-def table(evaluations: Iterable[DriveEvaluation]) -> dict[str, Any]:
+def table(evaluations: Iterable[DriveEvaluation]) -> Row:
     """`records` by drive and driver; `rows` by cell; `totals` by driver and weather, with kinds and distance bands."""
     found = sorted(evaluations, key=lambda one: (one.driver, one.drive))
     weathers = [*dict.fromkeys(one.weather for one in found)]
@@ -106,7 +107,7 @@ def _group(found: Sequence[DriveEvaluation], driver: str, weather: str) -> Row:
     return {"weather": weather, "driver": driver, **metrics(chosen), "by_kind": kinds, "by_distance": bands}
 
 
-def _of_kind(found: Sequence[DriveEvaluation], kind: Any) -> Row | None:
+def _of_kind(found: Sequence[DriveEvaluation], kind: ObjectKind) -> Row | None:
     """Recall and errors of one kind of object; None if none was met or detected."""
     confirmed_m, kinds = _met(found)
     of_kind, number = confirmed_m[kinds == KINDS.index(kind)], float(KINDS.index(kind))

@@ -72,7 +72,7 @@ class Table(Schema):
     rows: list[Row]
 
 
-def write(path: Path, table: dict[str, Any]) -> None:
+def write(path: Path, table: scores.Row) -> None:
     """Write the table with the code's fingerprint, atomically."""
     path.parent.mkdir(parents=True, exist_ok=True)
     write_json(path, {"schema": SCHEMA, "fingerprint": fingerprint(), **table})
@@ -150,7 +150,7 @@ def measure(
     return found
 
 
-def table(found: Iterable[Evaluated]) -> dict[str, Any]:
+def table(found: Iterable[Evaluated]) -> scores.Row:
     """The metrics of all drives: `records`, `rows`, `totals` (see `scores.table`)."""
     return scores.table(_flat(found))
 

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from vpf_sim import configuration
-from vpf_sim.configuration import setting, settings
+from vpf_sim.configuration import TomlTable, setting, settings
 from vpf_sim.errors import InputError, shown
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.run_inputs import RunInputs
@@ -142,14 +142,14 @@ class Plan:
         return cls((job.scenario,), (job.weather,), (job.driver,), f"{job.seed}:{job.seed + 1}")
 
 
-def read_plan(name_or_path: str) -> dict[str, Any]:
+def read_plan(name_or_path: str) -> TomlTable:
     """The keys and values of a plan of SHIPPED by its name, or of a sweep file."""
     if name_or_path in SHIPPED:
         return configuration.read("vpf_sim.evaluation.sweeps", f"{name_or_path}.toml")
     return configuration.read_file(Path(name_or_path), "sweep")
 
 
-def make_plan(table: dict[str, Any], where: str) -> Plan:
+def make_plan(table: TomlTable, where: str) -> Plan:
     """A validated plan from keys and values; messages call their source `where`."""
     if isinstance(seeds := table.get("seeds"), list):
         table = {**table, "seeds": seeds_text(seeds, f"{where}: seeds")}
@@ -159,7 +159,7 @@ def make_plan(table: dict[str, Any], where: str) -> Plan:
     return plan
 
 
-def _of_drives(table: dict[str, Any], where: str) -> Plan:
+def _of_drives(table: TomlTable, where: str) -> Plan:
     """The plan of single drives, with the smallest grid that contains them."""
     drives = configuration.build(_Drives, {"drives": table["drives"]}, where).drives
     names = [[*dict.fromkeys(drive[i] for drive in drives)] for i in (0, 1)]

@@ -10,6 +10,7 @@ from markupsafe import Markup
 from vpf_sim.reporting.kit.chart import legend_key
 
 KIT = "vpf_sim.reporting.kit"
+Content = dict[str, Any]  # what a template is filled with, by name
 
 
 def render(template: str, package: str = "vpf_sim.reporting", **content: Any) -> str:
