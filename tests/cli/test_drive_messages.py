@@ -135,7 +135,7 @@ def test_the_cause_is_where_an_installed_package_was_called() -> None:
     assert cause("ValueError: without a traceback") == "ValueError: without a traceback"
 
 
-@pytest.mark.parametrize("command", [["drive", "straight", "--driver", "pid"], ["profile", "straight"], ["doctor"]])
+@pytest.mark.parametrize("command", [["drive", "straight", "--driver", "pid"], ["doctor", "--profile"], ["doctor"]])
 def test_ctrl_c_is_one_line(
     command: list[str], folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -35,7 +35,6 @@ SIMULATING = (
     "benchmark",
     "reproduce",
     "replay",
-    "profile",
     "gallery",
     "doctor",
     "video",
@@ -89,7 +88,6 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     check.check,
     verify.verify,
     perception.perception,
-    machine.profile,
     machine.doctor,
 )
 for one in COMMANDS:

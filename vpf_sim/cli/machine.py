@@ -1,4 +1,4 @@
-"""Commands about this machine: `vpf-sim doctor` and `profile`."""
+"""The command about this machine: `vpf-sim doctor`."""
 
 import sys
 from dataclasses import asdict
@@ -6,17 +6,41 @@ from typing import Annotated
 
 import typer
 
-from vpf_sim.cli.options import JsonOption, ScenarioArgument, WeatherOption, print_json, prints_on_stderr
+from vpf_sim.cli.options import SCENARIO, WEATHER, JsonOption, print_json, prints_on_stderr
 from vpf_sim.cli.output import number, print_table
+from vpf_sim.errors import InputError
 
-StepsOption = Annotated[int, typer.Option("--steps", metavar="N", min=2, help="Steps to time.")]
+ProfileOption = Annotated[
+    bool, typer.Option("--profile", help="Time a step of the driver vpf and its stages, in place of the checks.")
+]
+ScenarioOption = Annotated[
+    str | None, typer.Option("--scenario", help="Scenario of --profile; by default town04.", **SCENARIO)
+]
+WeatherOption = Annotated[
+    str | None, typer.Option("--weather", help="Weather of --profile; by default clear.", **WEATHER)
+]
+StepsOption = Annotated[
+    int | None, typer.Option("--steps", metavar="N", min=2, help="Steps that --profile times; by default 300.")
+]
 
 
-def doctor(json: JsonOption = False) -> None:
+def doctor(
+    profile: ProfileOption = False,
+    scenario: ScenarioOption = None,
+    weather: WeatherOption = None,
+    steps: StepsOption = None,
+    json: JsonOption = False,
+) -> None:
     """Check this machine; exit code 1 if a check fails.
 
-    Checked are installation, frames, speed and reproducibility.
+    Checked are installation, frames, speed and reproducibility. With --profile, a step of the driver `vpf` is timed.
     """
+    if profile:
+        _profile(scenario or "town04", weather or "clear", steps or 300, json)
+        return
+    for name, given in {"scenario": scenario, "weather": weather, "steps": steps}.items():
+        if given is not None:
+            raise InputError(f"--{name}: expected together with --profile, got it alone")
     from vpf_sim.machine.doctor import examine
 
     output, checks = sys.stdout, []
@@ -33,16 +57,8 @@ def doctor(json: JsonOption = False) -> None:
     raise typer.Exit(0 if all_ok else 1)
 
 
-def profile(
-    scenario: ScenarioArgument = "town04",
-    weather: WeatherOption = "clear",
-    steps: StepsOption = 300,
-    json: JsonOption = False,
-) -> None:
-    """Time a step of the driver `vpf` and its stages.
-
-    Times are also given as multiples of a yardstick, a fixed computation on this machine.
-    """
+def _profile(scenario: str, weather: str, steps: int, json: bool) -> None:
+    """Print the time of a step and its stages, and its ratio to a yardstick, a fixed computation on this machine."""
     from vpf_sim.machine.profile import profile as measure
 
     measured = measure(scenario, weather, steps)

@@ -79,7 +79,7 @@ def speed(run: Run) -> Check:
     rate_hz = run.steps / run.wall_s
     found = f"{rate_hz:.0f} steps a second in hard rain; the camera takes 60"
     if rate_hz < SLOWEST_HZ:
-        return Check("speed", False, found, "see what else runs; vpf-sim profile shows where the time goes")
+        return Check("speed", False, found, "see what else runs; vpf-sim doctor --profile shows where the time goes")
     return Check("speed", True, found)
 
 
