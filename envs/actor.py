@@ -33,8 +33,8 @@ class Actor(Vehicle):  # type: ignore[misc]
     the lane, so contacts do not displace it and it cannot leave the road.
 
     A manoeuvre gives it another speed, which it reaches at a constant rate, or another lateral position,
-    to which it moves at a constant speed. On its way to the side it faces where it goes, and crosses regardless of
-    others; along the road it follows its leader as before. Contact stops it.
+    to which it moves at a constant speed. While it moves to the side it faces its direction of motion, and
+    does not yield; along the road it follows its leader as before. Contact stops it.
     """
 
     kind: ObjectKind
@@ -99,7 +99,7 @@ class Actor(Vehicle):  # type: ignore[misc]
         aside_mps = math.copysign(aside_m / dt, self._lateral_m - lateral)
         self.place = (s, lateral + aside_mps * dt)
         self.speed = math.hypot(self._along_mps, aside_mps)
-        if self.speed > 0.0:  # who stands faces where it last went
+        if self.speed > 0.0:  # at standstill it keeps its heading
             self._turn_rad = math.atan2(aside_mps, self._forward * self._along_mps)
         self._set_pose()
         self.impact = None

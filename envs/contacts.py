@@ -1,4 +1,4 @@
-"""Contacts of the objects on a road, asked only of pairs near each other, and exact distances of rectangles."""
+"""Contacts of the objects on a road, checked only for pairs near each other, and exact distances of rectangles."""
 
 from collections.abc import Iterable, Sequence
 from math import cos, hypot, inf, sin
@@ -10,11 +10,11 @@ from highway_env.vehicle.objects import Landmark
 
 from vpf_sim.envs.network import OnRoad, Outline, Point
 
-SPARE_M = 1e-6  # on the distance from which highway-env looks closer, against rounding
+SPARE_M = 1e-6  # on the distance from which highway-env checks further, against rounding
 
 
 class ContactRoad(Road):  # type: ignore[misc]
-    """highway-env's road: the same contacts in the same order, with fewer questions."""
+    """highway-env's road: the same contacts in the same order, with fewer checks."""
 
     def step(self, dt: float) -> None:
         """Move all vehicles for dt seconds, and find contacts."""

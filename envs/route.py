@@ -17,7 +17,7 @@ FINE_M = 0.1  # between the points that give a varying lane's length
 
 
 class Fork(NamedTuple):
-    """A part of the route along which `Observation.turn` names the way to take."""
+    """A part of the route along which `Observation.turn` names the road to take."""
 
     start_m: float  # along the route
     end_m: float
@@ -69,7 +69,7 @@ class Route:
         return place[0] >= self.goal_s_m and left_m <= place[1] - self.offset_at(place[0]) <= right_m
 
     def turn(self, route_m: float) -> Turn:
-        """The way to take next, at a distance along the route."""
+        """The road to take next, at a distance along the route."""
         return next((each.turn for each in self._forks if each.start_m <= route_m < each.end_m), "lane")
 
     def waypoints(self) -> Floats:

@@ -259,7 +259,7 @@ Seconds = Annotated[float, Field(gt=0.0, le=LONGEST_S)]
 
 
 class SensorFaults(Section):
-    """Faults of the ego's sensors, none by default; shares refer to all frames or all readings."""
+    """Faults of the ego's sensors, none by default; shares refer to all frames or all samples."""
 
     drop_share: Share = Field(default=0.0, description="Share of frames that never arrive.")
     latency_ms: Annotated[float, Field(ge=0.0, le=2000.0)] = Field(

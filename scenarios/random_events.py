@@ -18,7 +18,7 @@ CROSSING_MPS: dict[ObjectKind, tuple[float, float]] = {
 }
 VEHICLES: tuple[ObjectKind, ...] = ("car", "van", "truck")
 BESIDE_M = (1.0, 3.0)  # from the carriageway's edge, where crossing begins and ends
-TO_SPARE_M = (1.0, 9.0)  # way left to the ego when who crosses is in its lane, if it does not brake
+TO_SPARE_M = (1.0, 9.0)  # distance left to the ego when an actor that crosses is in its lane, if the ego does not brake
 CUT_IN_M, CUT_IN_MPS = (8.0, 15.0), (0.8, 1.5)  # free road at which it begins, and speed sideways
 BRAKES_WITHIN_M, BRAKES_MPS2 = (8.0, 16.0), (4.0, 8.0)
 WAITS_S, GOES_ON_MPS = (3.0, 7.0), (6.5, 9.0)

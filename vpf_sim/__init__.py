@@ -69,7 +69,7 @@ register(id="vpf_sim/FourLanePixels-v0", entry_point="vpf_sim.envs.learning:Four
 
 
 def __getattr__(name: str) -> Any:
-    """Import what is asked for, and with it numpy, OpenCV or highway-env, on first use."""
+    """Import a requested name, and with it numpy, OpenCV or highway-env, on first use."""
     if name not in _MODULES:
         raise AttributeError(f"module 'vpf_sim' has no attribute '{name}'")
     value = getattr(import_module(f"vpf_sim.{_MODULES[name]}"), name)

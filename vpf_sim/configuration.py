@@ -130,7 +130,7 @@ def _adapter(config: Any) -> TypeAdapter[Any]:
 
 
 def _without_none(hint: Any, value: Any) -> Any:
-    """A value of TOML with None for each "none" that stands where None is allowed."""
+    """A value of TOML with None for each "none" where None is allowed."""
     if value == "none" and NoneType in get_args(hint):
         return None
     known = {key: inner for section in sections(hint) for key, inner in keys(section).items()}

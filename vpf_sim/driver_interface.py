@@ -31,7 +31,7 @@ class World(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class DriverSetup:
-    """What a driver is told before an episode: `route` and `world` are None unless it declares the privilege.
+    """What a driver is given before an episode: `route` and `world` are None unless it declares the privilege.
 
     ValueError where the rate, the speed, the goal or the route is one that no drive has.
     """
@@ -66,7 +66,7 @@ class Observation:
     Where the newest frame is late or was dropped, `image` is the last that has arrived, with its own `frame_time_s`.
     """
 
-    image: Image  #: (H, W, 3) RGB, read-only, the last that has arrived; (0, 0, 3) where the driver does not look
+    image: Image  #: (H, W, 3) RGB, read-only, the last that has arrived; (0, 0, 3) for a driver without images
     time_s: float
     x_m: float
     y_m: float
@@ -75,7 +75,7 @@ class Observation:
     yaw_rate_radps: float
     goal_m: tuple[float, float]
     frame_time_s: float = nan  #: time stamp of the camera, when the image was taken; left out, it is `time_s`
-    turn: Turn = "lane"  #: the way to take where roads part, told some seconds before; else "lane"
+    turn: Turn = "lane"  #: the road to take at a fork, some seconds ahead of it; else "lane"
 
     def __post_init__(self) -> None:
         if isnan(self.frame_time_s):
@@ -113,7 +113,7 @@ class Driver(Protocol):
 
     @property
     def needs_next_frame(self) -> bool:
-        """Whether it uses the next frame, asked after each `act`: a frame that it does not use need not be drawn."""
+        """Whether it uses the next frame, read after each `act`: a frame that it does not use is not drawn."""
         return True
 
     def reset(self, setup: DriverSetup) -> None:  # noqa: ARG002

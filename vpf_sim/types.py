@@ -158,7 +158,7 @@ Metres = TypeVar("Metres", float, Floats)
 
 
 class LateralExtent(Generic[Metres]):
-    """A body, or K bodies, with a left and a right side."""
+    """An obstacle, or K obstacles, with a left and a right side."""
 
     __slots__ = ()
     left_m: Metres
@@ -176,7 +176,7 @@ class LateralExtent(Generic[Metres]):
 
 
 class LateralExtents(LateralExtent[Floats]):
-    """K bodies, of which every field has a row each."""
+    """K obstacles, with a row each in every field."""
 
     __slots__: tuple[str, ...] = ()
 
@@ -193,7 +193,7 @@ class LateralExtents(LateralExtent[Floats]):
 
 @dataclass(frozen=True, slots=True)
 class Obstacles(LateralExtents):
-    """K bodies believed to be on the road, in vehicle axes: nearest face, side edges, time to contact."""
+    """K obstacles on the road as perceived, in vehicle axes: nearest face, side edges, time to contact."""
 
     forward_m: Floats  # (K,) nearest face, from the pose
     left_m: Floats  # (K,) lateral position of the left side, + is right
@@ -228,7 +228,7 @@ class RoadEdges:
     confidence: float  # 0 (prior only) .. 1
     lane_m: float  # middle of the own lane, + is right of the pose
     lane_width_m: float
-    lane_confidence: float = 0.0  # that the own lane's lines are where they are told, whichever are the edges: 0 .. 1
+    lane_confidence: float = 0.0  # of the own lane's lines, whichever lines are the edges: 0 .. 1
     oncoming_m: float = 0.0  # width of the lanes of oncoming traffic, left of left_m
 
 
@@ -289,7 +289,7 @@ class Force:
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """What the controller is asked to do."""
+    """What the controller tracks."""
 
     heading_rad: float  # in the world
     speed_mps: float

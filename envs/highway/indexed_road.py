@@ -1,6 +1,6 @@
 """highway-env's road, faster: the same decisions and states to the last bit.
 
-highway-env looks at all cars for each question of each car, and moves them one by one. Here an index by lane and place
+highway-env searches all cars for each query of each car, and moves them one by one. Here an index by lane and place
 is made once a tick, and cars that move and decide as highway-env's own classes say do so all at once; others do it by
 themselves. A road gets these methods by `speed_up`; highway-env's classes, and with them the roads of others, stay.
 """

@@ -99,7 +99,7 @@ class _Circular(_FixedWidth):
 
 
 class _Other:
-    """Lanes of other kinds, asked one by one."""
+    """Lanes of other kinds, computed one by one."""
 
     def __init__(self, lanes: Sequence[AbstractLane]) -> None:
         self._lanes = lanes

@@ -1,4 +1,4 @@
-"""Who drives ahead and behind on a lane, from an index that is made once for all questions of a tick."""
+"""The cars ahead and behind on a lane, from an index that is made once a tick."""
 
 from bisect import bisect_left
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ class _Row:
 
 
 class Neighbours:
-    """The answers of `Road.neighbour_vehicles` while nothing moves; objects are the road's, numbered in its order."""
+    """The results of `Road.neighbour_vehicles` while nothing moves; objects are the road's, numbered in its order."""
 
     def __init__(self, road: Road, table: LaneTable) -> None:
         self._road, self._table = road, table

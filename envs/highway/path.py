@@ -3,7 +3,7 @@
 Along a stretch it is the lane's centre. A lane change is spread over the whole stretch, by a quintic without slope and
 curvature at both ends. Where the lanes of two roads do not meet exactly, a cubic bridges the joint.
 
-The way that a driver gets where roads part: left, straight or right, as CARLA's leaderboard does.
+The direction that a driver gets at a fork: left, straight or right, as CARLA's leaderboard does.
 
 Of the roads that leave a node, "straight" is the one whose direction changes least, and the others are to its left or
 right. So on a roundabout "straight" goes on around it, and "right" leaves it.
@@ -54,11 +54,11 @@ def _points(network: RoadNetwork, stretch: Stretch) -> Floats:
     count = max(2, round((stretch.end_m - stretch.start_m) / STEP_M) + 1)
     share = np.linspace(0.0, 1.0, count)
     along = stretch.start_m + share * (stretch.end_m - stretch.start_m)
-    aside = np.zeros(count)
+    lateral = np.zeros(count)
     if stretch.changes_lane:
         other = network.get_lane(stretch.left)
-        aside = lane.local_coordinates(other.position(other.length, 0.0))[1] * _quintic(share)
-    return np.array([lane.position(s, right) for s, right in zip(along.tolist(), aside.tolist(), strict=True)])
+        lateral = lane.local_coordinates(other.position(other.length, 0.0))[1] * _quintic(share)
+    return np.array([lane.position(s, right) for s, right in zip(along.tolist(), lateral.tolist(), strict=True)])
 
 
 def _quintic(share: Floats) -> Floats:
@@ -120,7 +120,7 @@ def _direction(pair: Floats) -> Floats:
 def forks(
     network: RoadNetwork, route: Sequence[Stretch], ends_m: Sequence[float], speed_mps: float
 ) -> tuple[Fork, ...]:
-    """The forks on a route, with the way to take; `ends_m` are s, m, at the ends of its stretches.
+    """The forks on a route, with the road to take; `ends_m` are s, m, at the ends of its stretches.
 
     A lane change that leads to a fork belongs to it.
     """
@@ -139,7 +139,7 @@ def forks(
 
 
 def turn_at(network: RoadNetwork, before: LaneIndex, after: LaneIndex) -> Turn:
-    """The way from one lane into another; "lane" where only one road goes on."""
+    """The turn from one lane into another; "lane" where only one road goes on."""
     lane = network.get_lane(before)
     roads = network.graph.get(before[1], {})
     if len(roads) < 2:

@@ -24,7 +24,7 @@ from vpf_sim.envs.route import BEYOND_GOAL_M, Fork, Route
 from vpf_sim.scenarios import HighwayScenario
 from vpf_sim.scenarios.highway import HighwayEnv
 
-# An object that is farther aside of the route (two lanes), or farther from the ego, has no place.
+# An object that is farther beside the route (two lanes), or farther from the ego, has no place.
 BESIDE_M, FAR_M = 8.0, 100.0
 Parameters = dict[str, Any]  # of a class of cars, by name
 NOWHERE: Place = (nan, nan)
@@ -180,11 +180,11 @@ def _lanes_for_idm(lanes: Sequence[Stretch]) -> list[tuple[str, str, int | None]
     return [(*one.left[:2], one.left[2] if one.changes_lane else None) for one in lanes]
 
 
-def _route(scenario: HighwayScenario, graph: LaneGraph, length_m: float, ways: tuple[Fork, ...]) -> Route:
+def _route(scenario: HighwayScenario, graph: LaneGraph, length_m: float, route_forks: tuple[Fork, ...]) -> Route:
     """The route along the graph's reference line, up to the goal or the end of the lanes."""
     goal_m = min(scenario.goal.route_m, length_m)
     (x, y), heading = graph.centre.position_at(goal_m, 0.0), graph.centre.heading_at(goal_m)
     sides = graph.edges_at(x, y, heading)
     if isnan(sides[0]):  # in a junction
         sides = -ROUTE_HALF_M, ROUTE_HALF_M
-    return Route(graph.centre, 0.0, goal_m, goal_sides_m=sides, forks=ways)
+    return Route(graph.centre, 0.0, goal_m, goal_sides_m=sides, forks=route_forks)

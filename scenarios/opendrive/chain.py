@@ -47,16 +47,16 @@ class Chain:
         if abs(kink) * abs(goal - self._point) > SLACK_M:
             corner, elements[0] = self._corner(kink, elements[0])
             self._append([corner])
-        way = _way(elements)
-        direction = complex(np.exp(1j * (self._heading + np.angle(way))))
-        ratio = ((goal - self._point) * direction.conjugate()).real / abs(way)
+        chord = _chord(elements)
+        direction = complex(np.exp(1j * (self._heading + np.angle(chord))))
+        ratio = ((goal - self._point) * direction.conjugate()).real / abs(chord)
         if ratio > LEAST_RATIO:  # else a map's digits are larger than the piece
             self._append([one._replace(length_m=one.length_m * min(ratio, MOST_RATIO)) for one in elements])
         self._truth.append((piece, begin_m, self.length_m))
 
     def _aim(self, elements: Sequence[Element], goal: complex) -> float:
         """The turn, rad, after which elements lead to the goal; no more than a map's digits explain."""
-        turn = wrap_angle(np.angle(goal - self._point) - np.angle(_way(elements)) - self._heading)
+        turn = wrap_angle(np.angle(goal - self._point) - np.angle(_chord(elements)) - self._heading)
         return min(max(turn, -MOST_KINK_RAD), MOST_KINK_RAD)
 
     def _corner(self, kink_rad: float, whole: Element) -> tuple[Element, Element]:
@@ -69,7 +69,7 @@ class Chain:
         return corner, Element(whole.length_m - length_m, cut, whole.last_per_m)
 
     def _append(self, elements: Sequence[Element]) -> None:
-        self._point += complex(np.exp(1j * self._heading)) * _way(elements)
+        self._point += complex(np.exp(1j * self._heading)) * _chord(elements)
         self._heading += sum(0.5 * (one.first_per_m + one.last_per_m) * one.length_m for one in elements)
         self.elements += elements
 
@@ -90,7 +90,7 @@ def chained(pieces: Sequence[Piece], half_width_m: float) -> Line:
     return chain.line()
 
 
-def _way(elements: Sequence[Element]) -> complex:
+def _chord(elements: Sequence[Element]) -> complex:
     """From the start of a chain with heading 0 to its end."""
     length = np.array([sum(one.length_m for one in elements)])
     return complex(points_along(tuple(elements), 0j, 0.0, length)[0])

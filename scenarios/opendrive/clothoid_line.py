@@ -35,8 +35,8 @@ class Line(NamedTuple):
         """Raise InputError where the line is farther from the true curve than the tolerance."""
         for piece, along_m in zip(pieces, self.along_m, strict=True):
             apart = self.apart(along_m, piece.points)
-            ahead, aside = np.abs(apart.real), np.abs(apart.imag)
-            if not (aside.max() <= TOLERANCE_M + ROUNDING_M and ahead.max() <= ALONG_M):
+            ahead, lateral = np.abs(apart.real), np.abs(apart.imag)
+            if not (lateral.max() <= TOLERANCE_M + ROUNDING_M and ahead.max() <= ALONG_M):
                 worst = int(np.abs(apart).argmax())
                 place = piece.points[worst]
                 raise InputError(

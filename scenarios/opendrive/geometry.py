@@ -32,7 +32,7 @@ def on_panels(panels: int) -> tuple[Floats, Floats]:
 
 
 def displacement(curvature: ArrayLike, rate: ArrayLike, distance_m: ArrayLike) -> Complexes:
-    """(...) m, way along clothoids that start with heading 0: the integral of exp(i (k v + rate v^2 / 2))."""
+    """(...) m, displacement along clothoids that start with heading 0: the integral of exp(i (k v + rate v^2 / 2))."""
     k, c, v = np.broadcast_arrays(*(np.asarray(one, float)[..., None] for one in (curvature, rate, distance_m)))
     turn = np.max(np.abs(k * v) + 0.5 * np.abs(c) * v**2, initial=0.0)
     nodes, weights = on_panels(max(1, math.ceil(turn / PANEL_TURN_RAD)))

@@ -24,7 +24,7 @@ class Link(NamedTuple):
 
 
 class Connection(NamedTuple):
-    """A way through a junction: the road that it leads to, and the links of its lanes, from and to."""
+    """A connection through a junction: the road that it leads to, and the links of its lanes, from and to."""
 
     road: str
     at_start: bool | None
@@ -124,7 +124,7 @@ class Network:
         return Link(is_junction, name, _at_start(element)) if name in known else None
 
     def connections(self, junction: str, road: str) -> list[Connection]:
-        """The ways into a junction from a road; ways to the same end of a road are one."""
+        """The connections into a junction from a road; those to the same end of a road are one."""
         element = self._junctions[junction]
         found: dict[tuple[str, bool | None, tuple[str, str]], list[Element]] = defaultdict(list)
         for one in element.findall("connection"):

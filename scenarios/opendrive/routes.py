@@ -47,8 +47,11 @@ def next_legs(network: Network, leg: Leg) -> list[Leg]:
         return []
     if not link.is_junction:
         return _ends(network, leg, link.id, link.at_start)
-    ways = network.connections(link.id, leg.road.id)
-    found = [one for way in ways for one in _ends(network, leg, way.road, way.at_start)]
+    found = [
+        one
+        for connection in network.connections(link.id, leg.road.id)
+        for one in _ends(network, leg, connection.road, connection.at_start)
+    ]
     return [one for one in dict.fromkeys(found) if _comes_from(network, one, leg)]
 
 
@@ -119,7 +122,7 @@ class Route(NamedTuple):
 
 
 def find_route(network: Network, wanted: OpenDriveRoad, file: str) -> Route:
-    """The route that a scenario file asks for; `file` is its name in messages."""
+    """The route of a scenario file; `file` is its name in messages."""
     keys = [f"route[{i}]" for i in range(len(wanted.route))] or ["from", "to"]
     ids = wanted.route or (wanted.start or "", wanted.to or "")
     for key, name in zip(keys, ids, strict=True):
@@ -217,7 +220,7 @@ def _shortest(network: Network, starts: Sequence[Route], to: str, where: str) ->
 
 
 def _ahead(network: Network, route: Route, faults: list[str]) -> Iterator[Route]:
-    """A route with each road that a lane leads to; those with faults are left out and told."""
+    """A route with each road that a lane leads to; those with faults are left out and reported."""
     for leg in next_legs(network, route.legs[-1]):
         try:
             longer = _onward(network, route, leg) if leg.is_drivable else None

@@ -45,11 +45,11 @@ def smoothed(pieces: Sequence[Piece], wave_m: float) -> Line:
     for _ in range(ROUNDS):
         line = Line(start, heading, _elements(knots, curvature), [along])
         along = np.maximum.accumulate(np.maximum(along + line.apart(along, points).real, 0.0))
-        slopes, aside = _slopes(knots, curvature, along), line.apart(along, points).imag
-        if (farthest_m := np.abs(aside).max()) > WANTED_M:
-            weights *= 1.0 + np.abs(aside) / farthest_m
+        slopes, lateral = _slopes(knots, curvature, along), line.apart(along, points).imag
+        if (farthest_m := np.abs(lateral).max()) > WANTED_M:
+            weights *= 1.0 + np.abs(lateral) / farthest_m
             weights /= np.sqrt(np.mean(weights**2))
-        wanted = np.concatenate([weights * aside, -jumps @ curvature])
+        wanted = np.concatenate([weights * lateral, -jumps @ curvature])
         rows = np.vstack([weights[:, None] * slopes, rough])
         change = np.linalg.solve(rows.T @ rows + RIDGE * np.eye(len(knots) + 2), rows.T @ wanted)
         start += 1j * np.exp(1j * heading) * change[0]
@@ -75,7 +75,7 @@ def _elements(knots: Floats, curvature: Floats) -> tuple[Element, ...]:
 
 
 def _slopes(knots: Floats, curvature: Floats, along: Floats) -> Floats:
-    """(N, 2 + K) how far points of the line move aside with its start's place, its heading and the curvatures."""
+    """(N, 2 + K) lateral displacement of points of the line by its start's place, its heading and the curvatures."""
     fine = np.linspace(0.0, knots[-1], STEPS_OF_A_KNOT * (len(knots) - 1) + 1)
     hats = np.stack([np.interp(fine, knots, one) for one in np.eye(len(knots))], axis=1)
     turns = np.hstack([np.zeros((len(fine), 1)), np.ones((len(fine), 1)), _integral(hats, fine[1])])

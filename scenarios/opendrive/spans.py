@@ -146,8 +146,8 @@ def points_along(elements: tuple[Element, ...], start: complex, heading_rad: flo
     rate = (last - first) / length
     begins = np.concatenate([[0.0], np.cumsum(length)])
     headings = heading_rad + np.concatenate([[0.0], np.cumsum(0.5 * (first + last) * length)])
-    ways = np.exp(1j * headings[:-1]) * displacement(first, rate, length)
-    corners = start + np.concatenate([[0.0], np.cumsum(ways)])
+    chords = np.exp(1j * headings[:-1]) * displacement(first, rate, length)
+    corners = start + np.concatenate([[0.0], np.cumsum(chords)])
     which = np.clip(np.searchsorted(begins, distance_m, side="right") - 1, 0, len(length) - 1)
-    way = displacement(first[which], rate[which], distance_m - begins[which])
-    return np.asarray(corners[which] + np.exp(1j * headings[which]) * way)
+    rest = displacement(first[which], rate[which], distance_m - begins[which])
+    return np.asarray(corners[which] + np.exp(1j * headings[which]) * rest)

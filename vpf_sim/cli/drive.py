@@ -107,7 +107,7 @@ def _fault(record: "Record") -> str:
 
 
 def _quality(record: "Record") -> Iterator[str]:
-    """Path and commands of a drive that arrived: those of a short one look better than they are."""
+    """Path and commands of a drive that arrived: those of a short drive would seem better than they are."""
     from vpf_sim.evaluation.metrics.registry import PATH_MSE, STEERING, THROTTLE
 
     if not record.succeeded:

@@ -20,7 +20,7 @@ MOST_LISTED = 20
 TRUTHS = {
     "depth": "m along the optical axis, inf in the sky",
     "flow": "px from the frame before, x right, y down",
-    "foe": "px, the image of the direction of motion, nan while the car stands",
+    "foe": "px, the image of the direction of motion, nan at standstill",
     "ttc": "s until contact, inf if the gap does not close",
     "instance": "0 ground and sky, -1 scenery, from 1 on an object",
     "hidden": "whether water or a wiper hides the pixel",

@@ -13,7 +13,7 @@ INSTALL = "pip install 'vpf_sim[export]'"
 
 
 class Place(NamedTuple):
-    """Where an episode stands in its set."""
+    """The place of an episode in its set."""
 
     episode: int
     first_frame: int  # of all frames that have an action

@@ -50,7 +50,7 @@ class Contents:
 
     @classmethod
     def of(cls, size: object, grey: object, truth: object) -> "Contents":
-        """The contents that a user asks for; InputError for others."""
+        """The requested contents; InputError for others."""
         if not isinstance(grey, bool):
             raise InputError(f"{option('grey')}: expected True or False, got {shown(grey)}")
         if isinstance(truth, str) or not isinstance(truth, Iterable):
@@ -132,7 +132,7 @@ class Episode:
     table: StepTable
     contents: Contents
     inputs: RunInputs = field(default_factory=RunInputs)
-    states: list[Floats] = field(default_factory=list)  # n + 1 of (7,), as the driver was told them
+    states: list[Floats] = field(default_factory=list)  # n + 1 of (7,), as the driver observed them
     rewards: list[float] = field(default_factory=list)  # n
     remarks: list[str] = field(default_factory=list)  # how the frames differ from those of the run
     is_verified: bool = False  # the frames have the hash of those that the driver saw

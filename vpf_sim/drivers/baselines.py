@@ -55,7 +55,7 @@ _FOLLOWERS = {"pid": _pid, "pure-pursuit": _pure_pursuit, "stanley": _stanley}
 
 
 class IdmDriver(Driver):
-    """highway-env's own driver. It is told all that is on the road, and needs no camera."""
+    """highway-env's own driver. It is given all that is on the road, and needs no camera."""
 
     privileged: Privilege = "world"
     uses_images = False

@@ -5,9 +5,9 @@ N. Ohnishi and A. Imiya, Dominant plane detection from optical flow for robot na
 grid is compared with that of the plane most points agree with (RANSAC); what agrees is ground, the rest obstacles. The
 gradient of the smoothed binary plane repels from obstacles, and the direction to the goal attracts.
 
-Three things differ, since a car is faster than the robot and looks farther: the plane's motion is a homography, not
-affine; deviations from it are summed over about a metre; the gradient is averaged over the corridor that the car
-sweeps, not over the image, where trees beside the road outweigh a car on it.
+Three things differ, since a car is faster than the robot and its camera sees farther: the plane's motion is a
+homography, not affine; deviations from it are summed over about a metre; the gradient is averaged over the corridor
+that the car sweeps, not over the image, where trees beside the road outweigh a car on it.
 
 Where it fails: it knows no road. Verges lie in the plane, so that the goal draws it off the road in the first bend. An
 obstacle dead ahead has no gradient, so it passes late, or stops and stays. docs/decisions.md has the figures.

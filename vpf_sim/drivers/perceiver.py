@@ -185,7 +185,7 @@ class Perceiver:
         )
 
     def _low_range(self, last: Perception, observation: Observation) -> LowObstacleRange:
-        """The sensing range of low obstacles, less the way that was driven since a frame that is late."""
+        """The sensing range of low obstacles, less the distance driven since a late frame."""
         since_s = observation.time_s - self._last_s
         if since_s <= 1.5 * self._period_s:
             return last.low_range_m

@@ -1,4 +1,4 @@
-"""How any driver is asked: its command, whether it needs frames, and its plan if it shows one."""
+"""How any driver is called: its command, whether it needs frames, and its plan if it shows one."""
 
 from math import isfinite, nan
 from typing import Any

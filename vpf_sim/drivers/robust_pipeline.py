@@ -76,7 +76,7 @@ class ObstacleStages:
     def contrast_image(self, observation: Observation, grey: Image) -> Image | None:
         """The image in which the road is compared, without the camera's pitch; None beneath the wiper.
 
-        Where nobody compares this frame, the grey image will do.
+        If nothing compares this frame, the grey image is enough.
         """
         if self._trackers.flow.is_swept:
             return None

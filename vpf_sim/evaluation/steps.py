@@ -60,9 +60,9 @@ class Step(NamedTuple):
     near_confirmed_m: float = nan  # from the bumper to that object at its first detection; nan if never detected
     near_sticks_out_m: float = nan  # how far it reaches beyond what is reported of it, to a side or towards the car
     wrong_ahead_m: float = nan  # from the bumper to the nearest false positive in the corridor
-    free_m: float = nan  # while the car stands or creeps: widest gap across the carriageway before it
-    reference_mps: float = nan  # speed that the driver's plan asks for
-    heading_error_rad: float = nan  # heading less the one that it asks for
+    free_m: float = nan  # below walking speed: widest gap across the carriageway before it
+    reference_mps: float = nan  # speed of the driver's plan
+    heading_error_rad: float = nan  # heading less that of the plan
     motion_right_m: float = (
         nan  # from the beginning of the motion planned in space and time to its path's end, + is right
     )

@@ -80,7 +80,7 @@ class ScriptedDrive:
         road = build_road(self.scenario, stream(seed, "road"))
         place_objects(road, self.scenario)
         renderer = Renderer(road, self.rig, weather, seed)
-        body = Sensors(SensorErrors(pitch_deg=self.pitch_deg), self.rig.camera, self.rate_hz, seed)
+        sensors = Sensors(SensorErrors(pitch_deg=self.pitch_deg), self.rig.camera, self.rate_hz, seed)
         carrier = Carrier()
         for k in range(count):
             time_s = k / self.rate_hz
@@ -88,14 +88,14 @@ class ScriptedDrive:
             pose = self.pose(road.network.centre, self.path.s_m(time_s))
             carrier.position, carrier.heading = pose[:2], float(pose[2])
             level = renderer.render(carrier, time_s)
-            pitched = body.frame(level)
+            pitched = sensors.frame(level)
             yield Shot(k, level if pitched is None else pitched, pose, renderer)
             road.act()
             road.step(1.0 / self.rate_hz)
 
     def _move(self, road: Road, time_s: float) -> None:
         """Put the bodies with given places there."""
-        actors = [number for number, body in enumerate(self.scenario.bodies) if body.is_actor]
+        actors = [number for number, obj in enumerate(self.scenario.bodies) if obj.is_actor]
         for number, s_m in self.moved.items():
             road.vehicles[actors.index(number)].put_at(s_m(time_s))
 
@@ -136,7 +136,7 @@ class Pose:
 
     def _scenario(self, lead_s: float) -> Scenario:
         plain = scenarios.drawn_road(self.scenario, SEED)
-        started = (_before(body, lead_s) for body in self.objects)
+        started = (_before(obj, lead_s) for obj in self.objects)
         road = plain.road
         if self.heading_deg is not None:
             road = road.model_copy(update={"heading_deg": self.heading_deg})
@@ -145,13 +145,13 @@ class Pose:
         return plain.model_copy(update={"road": road, "bodies": (*plain.bodies, *started)})
 
 
-def _before(body: ObjectSpec, lead_s: float) -> ObjectSpec:
+def _before(obj: ObjectSpec, lead_s: float) -> ObjectSpec:
     """An object where it was `lead_s` seconds ago."""
-    driven_m = lead_s * body.speed_mps * (-1.0 if body.oncoming else 1.0)
-    return body.model_copy(update={"s_m": body.s_m - driven_m})
+    driven_m = lead_s * obj.speed_mps * (-1.0 if obj.oncoming else 1.0)
+    return obj.model_copy(update={"s_m": obj.s_m - driven_m})
 
 
-def _body(kind: str, s_m: float, lane: int, lateral_m: float = 0.0, **more: Any) -> ObjectSpec:
+def _object(kind: str, s_m: float, lane: int, lateral_m: float = 0.0, **more: Any) -> ObjectSpec:
     return ObjectSpec.model_validate({"kind": kind, "s_m": s_m, "lane": lane, "lateral_m": lateral_m, **more})
 
 
@@ -162,18 +162,20 @@ POSES = (
         "straight",
         s_m=90.0,
         objects=(
-            _body("car", 107.0, 2, speed_mps=10.0),
-            _body("van", 132.0, 3, speed_mps=11.0),
-            _body("car", 121.0, 1, speed_mps=9.0),
+            _object("car", 107.0, 2, speed_mps=10.0),
+            _object("van", 132.0, 3, speed_mps=11.0),
+            _object("car", 121.0, 1, speed_mps=9.0),
         ),
     ),
-    Pose("bend", "into a bend to the right", "curve-right", s_m=52.0, objects=(_body("car", 84.0, 3, speed_mps=10.0),)),
+    Pose(
+        "bend", "into a bend to the right", "curve-right", s_m=52.0, objects=(_object("car", 84.0, 3, speed_mps=10.0),)
+    ),
     Pose(
         "truck",
         "beside a truck",
         "straight",
         s_m=90.0,
-        objects=(_body("truck", 99.0, 3, speed_mps=10.5), _body("car", 126.0, 2, speed_mps=10.0)),
+        objects=(_object("truck", 99.0, 3, speed_mps=10.5), _object("car", 126.0, 2, speed_mps=10.0)),
     ),
     Pose("empty-road", "an empty road and its puddles", "straight", s_m=70.0, lane=1, speed_mps=8.0),
     Pose(
@@ -183,7 +185,7 @@ POSES = (
         s_m=120.0,
         lane=3,
         heading_deg=SUN_HEADING_DEG,
-        objects=(_body("car", 142.0, 2, speed_mps=10.0), _body("truck", 175.0, 1, speed_mps=9.0)),
+        objects=(_object("car", 142.0, 2, speed_mps=10.0), _object("truck", 175.0, 1, speed_mps=9.0)),
     ),
     Pose("town04", "the paper's road, before its first parked car", "town04", s_m=61.0, speed_mps=5.55),
     Pose(
@@ -194,10 +196,10 @@ POSES = (
         lane=3,
         speed_mps=5.55,
         objects=(
-            *(_body("cone", 78.0 + 5.0 * step, 2, 1.2 - 0.55 * step) for step in range(5)),
-            _body("barrier", 95.0, 2, 0.4),
-            _body("pallet", 84.0, 4, -0.6),
-            _body("pedestrian", 88.0, 1, 0.8),
+            *(_object("cone", 78.0 + 5.0 * step, 2, 1.2 - 0.55 * step) for step in range(5)),
+            _object("barrier", 95.0, 2, 0.4),
+            _object("pallet", 84.0, 4, -0.6),
+            _object("pedestrian", 88.0, 1, 0.8),
         ),
     ),
     Pose(
@@ -208,9 +210,9 @@ POSES = (
         lane=1,
         speed_mps=8.0,
         objects=(
-            _body("cyclist", 64.0, 1, 1.0, speed_mps=5.0),
-            _body("deer", 65.0, 1, 2.6),
-            _body("car", 72.0, 2, speed_mps=8.0, oncoming=True),
+            _object("cyclist", 64.0, 1, 1.0, speed_mps=5.0),
+            _object("deer", 65.0, 1, 2.6),
+            _object("car", 72.0, 2, speed_mps=8.0, oncoming=True),
         ),
     ),
     Pose(
@@ -228,8 +230,8 @@ POSES = (
         lane=3,
         look=RoadAppearance(bus_lane=True, tram_rails=True, kerbs=True, double_lines=True, hatching=True),
         objects=(
-            _body("car", 74.0, 2, -0.4),
-            _body("door", 74.5, 2, -1.8, manoeuvres=({"after_s": 0.0, "lateral_m": -1.85, "lateral_mps": 1.0},)),
+            _object("car", 74.0, 2, -0.4),
+            _object("door", 74.5, 2, -1.8, manoeuvres=({"after_s": 0.0, "lateral_m": -1.85, "lateral_mps": 1.0},)),
         ),
     ),
     Pose(
@@ -237,7 +239,7 @@ POSES = (
         "through a dash-cam: bonnet, reflections, dirt, text",
         "straight",
         s_m=90.0,
-        objects=(_body("car", 103.0, 2, speed_mps=10.0), _body("van", 118.0, 3, speed_mps=10.0)),
+        objects=(_object("car", 103.0, 2, speed_mps=10.0), _object("van", 118.0, 3, speed_mps=10.0)),
         camera="dash-cam",
     ),
 )
@@ -246,7 +248,7 @@ POSES = (
 def video_drive(rate_hz: float) -> ScriptedDrive:
     """A drive past the paper's first parked car, with traffic."""
     plain = scenarios.drawn_road("town04", SEED)
-    traffic = (_body("car", 64.0, 1, speed_mps=12.0), _body("van", 95.0, 3, speed_mps=10.0))
+    traffic = (_object("car", 64.0, 1, speed_mps=12.0), _object("van", 95.0, 3, speed_mps=10.0))
     scenario = plain.model_copy(update={"bodies": (*plain.bodies, *traffic)})
     lane_m = scenario.road.lane_offset_m(2)
 

@@ -67,7 +67,7 @@ def _path_change(pair: Pair) -> float:
 
 
 def _place_m(pair: Pair, tables: Sequence[StepTable | None]) -> float:
-    """Where to look, along the route: the end of the episode that failed, or where the paths lie farthest apart."""
+    """The place to show, along the route: the end of the episode that failed, or where the paths lie farthest apart."""
     failed = [
         table for record, table in zip(pair.records, tables, strict=True) if table is not None and not record.succeeded
     ]

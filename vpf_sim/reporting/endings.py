@@ -40,7 +40,7 @@ class FailureGroup:
     failure: Failure | None
     reason: str
     seeds: tuple[int, ...]
-    way: str  # route completion in percent: "12.0 to 55.2"
+    completion: str  # route completion in percent: "12.0 to 55.2"
     example: str  # the id of one episode
 
     @property
@@ -68,7 +68,7 @@ def endings(failed: Sequence[Record], reason: Callable[[str], str | None]) -> li
 
 def table(groups: Sequence[FailureGroup]) -> Table | None:
     """One row per group; None without any."""
-    rows = tuple((one.place, one.what, class_of(one.failure), ranges(one.seeds), one.way) for one in groups)
+    rows = tuple((one.place, one.what, class_of(one.failure), ranges(one.seeds), one.completion) for one in groups)
     return Table(("where", "ended by", "why", "seeds", "route completed, %"), rows, words=4) if rows else None
 
 

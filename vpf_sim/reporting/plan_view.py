@@ -124,7 +124,7 @@ def _legend(canvas: Canvas) -> None:
 
 
 def draw_motion(canvas: Canvas, plan: MotionPlan) -> None:
-    """Draw the way of the next seconds on the road, and the number of rejected candidates by reason."""
+    """Draw the path of the next seconds on the road, and the number of rejected candidates by reason."""
     colour = BROKEN if plan.motion.is_rejected else PATH
     left, right = (canvas.project(side) for side in _sides(plan))
     near = np.all(np.isfinite(left) & np.isfinite(right), axis=1)
@@ -140,7 +140,7 @@ def reasons(plan: MotionPlan) -> list[str]:
 
 
 def _sides(plan: MotionPlan) -> tuple[Floats, Floats]:
-    """(N, 2) m, vehicle axes: the left and the right side of the way."""
+    """(N, 2) m, vehicle axes: the left and the right side of the path."""
     points = plan.points_m()
     points = points[np.concatenate([[True], np.hypot(*np.diff(points, axis=0).T) > 1e-3])]
     if len(points) < 2:

@@ -22,8 +22,8 @@ HEAD = """# Results
 `vpf-sim results RUN... --out docs/results.md` writes this page from run folders. [reference.md](reference.md#scores)
 defines the scores. Success is a share of all planned episodes, and collisions are counted in all driven ones. The other
 scores are means over the successful episodes; the driving score is over all. The second line of a cell is the 95 %
-interval. Path MSE includes the way around obstacles. Perception in (brackets) is of episodes that did not arrive, where
-none did.
+interval. Path MSE includes the detour around obstacles. Perception in (brackets) is of episodes that did not arrive,
+where none did.
 """
 
 

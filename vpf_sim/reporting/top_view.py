@@ -63,7 +63,7 @@ def _arrow(canvas: Canvas, centre: Floats, angle: float, length: float, colour: 
 
 
 def _pointer(canvas: Canvas, centre: Floats, angle: float, radius: float) -> None:
-    """Draw the reference heading as a wedge on the rim."""
+    """Draw the reference heading as a wedge on the edge."""
     tip = _ray(centre, angle, 0.84 * radius, 0.84 * radius)[0]
     base = [_ray(centre, angle + side, 1.1 * radius, 1.1 * radius)[0] for side in (-0.13, 0.13)]
     wedge = np.stack([tip, *base])

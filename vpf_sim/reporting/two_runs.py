@@ -174,7 +174,7 @@ def _changed_worlds(a: RunData, b: RunData) -> set[str]:
 
 
 def _labels(a: RunData, b: RunData, renamed: dict[str, str]) -> tuple[str, str]:
-    """What tells the runs apart: the renamed driver or weather, else the folders' names."""
+    """What distinguishes the runs: the renamed driver or weather, else the folders' names."""
     if renamed:
         short = [*map(shown, renamed)], [*map(shown, renamed.values())]
         names = short if short[0] != short[1] else ([*renamed], [*renamed.values()])  # files of one name in two folders

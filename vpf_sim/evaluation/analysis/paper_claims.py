@@ -7,7 +7,7 @@ from vpf_sim.evaluation.analysis.benchmark import SCENARIOS, WEATHERS
 from vpf_sim.evaluation.analysis.reproduction import CELLS, CellResult, Drive, definitions, mean
 
 REACHED_SHARE = 0.9  # of a cell's drives that counts as reaching the goal: the paper shows one drive a condition
-IN_LANE_SHARE = 0.99  # of the way within one lane that counts as staying in it
+IN_LANE_SHARE = 0.99  # of the distance within one lane that counts as staying in it
 CLEAR, RAIN = WEATHERS
 FREE, OBSTACLES = SCENARIOS
 
@@ -85,7 +85,7 @@ def _leaves_lane(rows: Sequence[CellResult], passed: bool) -> Claim:
     shares = [row.in_lane_share for row in rows if row.in_lane_share is not None]
     return Claim(
         "It does not stay in its lane, since only the edges of the road bound it.",
-        ", ".join(f"{_number(100.0 * share, 0)} %" for share in shares) + " of the way within one lane",
+        ", ".join(f"{_number(100.0 * share, 0)} %" for share in shares) + " of the distance within one lane",
         any(share < IN_LANE_SHARE for share in shares) if passed else None,
     )
 

@@ -50,7 +50,7 @@ class Row(Schema):
     def __getitem__(self, metric: Metric) -> Number:
         """The value of a metric; None where there is none, as of the path where no episode arrived.
 
-        A short drive looks better than it is, so path and commands of one that did not arrive are not shown.
+        A short drive seems better than it is, so path and commands of one that did not arrive are not shown.
         """
         found = self.unsuccessful if self.is_of_lost(metric) else self.scores
         return found.get(metric.row_key)

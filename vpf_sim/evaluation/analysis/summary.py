@@ -42,11 +42,11 @@ OF_SUCCESSES, OF_DRIVEN = (
     tuple(measure.key for measure in MEASURES if measure.over == over) for over in ("successes", "driven")
 )
 WIDTHS = {SUCCESS.row_key: 0.1, PATH_MSE.row_key: 0.1}  # of the intervals whose required seeds are computed
-NOBODY: Mapping[str, str] = {}
+NO_PRIVILEGES: Mapping[str, str] = {}
 Found = TypeVar("Found")
 
 
-def summarize(jobs: Iterable[Job], records: Iterable[Record], privileged: Mapping[str, str] = NOBODY) -> Summary:
+def summarize(jobs: Iterable[Job], records: Iterable[Record], privileged: Mapping[str, str] = NO_PRIVILEGES) -> Summary:
     """The rows of the planned cells, and their comparisons; rates are over all planned episodes.
 
     `privileged` has the privilege of drivers by name, as the run's manifest; the others are created.

@@ -4,11 +4,11 @@ The first that applies:
 
     hit         another vehicle caused the collision, as nuPlan sees it
     blocked     the car stood, or crept, where nothing as wide as the car was free across the road
-    false       perception: it stood, or was hit, because of an obstacle in its way that is not there
+    false       perception: it stood, or was hit, because of a reported obstacle that is not there
     missed      perception: the obstacle that it hit was not reported, or the road that it left not seen
     late        perception: the obstacle was reported when the car could no longer stop before it
     misplaced   perception: the obstacle stuck out of what was reported, or the road's edges lay elsewhere
-    control     the car was off the heading or above the speed that its plan asked for
+    control     the car was off the heading or above the speed of its plan
     planning    anything else: what mattered was perceived in time and in place, or given
 
 None: the episode succeeded, ended by an error or an invalid frame, or its driver shows neither perception nor plan.
@@ -125,7 +125,7 @@ def _brakes_for_nothing(frames: _Frames) -> bool:
 
 
 def _deviates(frames: _Frames) -> bool:
-    """Whether the car did not do what the plan asked for: it held another heading, or drove faster without braking."""
+    """Whether the car did not follow the plan: it held another heading, or drove faster without braking."""
     off = np.abs(frames.of("heading_error_rad")) > OFF_RAD
     moving = frames.of("speed_mps") > STANDING_MPS
     over = (frames.of("speed_mps") - frames.of("reference_mps") > OVER_MPS) & (frames.of("throttle") >= 0.0)

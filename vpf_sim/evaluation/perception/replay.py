@@ -1,6 +1,6 @@
 """Open-loop replay of a stored drive: frames are re-rendered at its poses, and drivers only perceive.
 
-Sensors repeat their readings of the episode, so with the same code and machine the run's own driver perceives the same,
+Sensors repeat their values of the episode, so with the same code and machine the run's own driver perceives the same,
 bit by bit.
 """
 

@@ -107,7 +107,7 @@ def located(path: Path) -> Path:
 
 
 def _begun(manifest: Path) -> tuple[float, int]:
-    """When a run began by its manifest, s, then the time of the file, which tells runs of earlier versions apart.
+    """When a run began by its manifest, s, then the time of the file, which orders runs of earlier versions.
 
     They stored the day alone, or nothing. A run whose folder has been removed meanwhile comes before all others.
     """

@@ -140,8 +140,8 @@ def _passed(reported: Obstacles, index: int, ego: OnRoad, objects: list[OnRoad])
     face, left, right = (float(side[index]) for side in (reported.forward_m, reported.left_m, reported.right_m))
     passed = []
     for obj in objects:
-        ((_, aside),) = to_local(ego, [tuple(obj.position.tolist())])
-        if left <= aside <= right and _gap_m(obj, _in_world(ego, face, aside)) <= FOOT_M:
+        ((_, right_m),) = to_local(ego, [tuple(obj.position.tolist())])
+        if left <= right_m <= right and _gap_m(obj, _in_world(ego, face, right_m)) <= FOOT_M:
             passed.append(obj)
     return passed
 
