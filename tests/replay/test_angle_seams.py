@@ -7,7 +7,7 @@ import pytest
 import recorded_layouts as layouts
 
 from vpf_sim.geometry import unwrapped
-from vpf_sim.replay import gps, readers, series
+from vpf_sim.replay import paths, readers, series
 from vpf_sim.replay.recording import Recording
 from vpf_sim.types import Floats
 
@@ -59,7 +59,7 @@ def test_heading_gap_is_interpolated_the_shorter_way(tmp_path: Path) -> None:
 
 def test_drive_across_180_degrees_longitude_is_continuous(tmp_path: Path) -> None:
     time = np.arange(0.0, 5.1, 0.2)
-    degrees = 8.0 * (time - 2.5) / (gps.EARTH_RADIUS_M * np.pi / 180.0)  # east along the equator's parallel
+    degrees = 8.0 * (time - 2.5) / (paths.EARTH_RADIUS_M * np.pi / 180.0)  # east along the equator's parallel
     longitude = (180.0 + degrees + 180.0) % 360.0 - 180.0
     recording = recorded(
         tmp_path, {"time_s": time, "latitude_deg": np.full(len(time), 1e-4), "longitude_deg": longitude}

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vpf_sim.replay import derived, gps, series
+from vpf_sim.replay import derived, paths, series
 from vpf_sim.types import VehicleModel
 
 RANDOM_GAPS = np.cumsum(np.tile([0.03, 0.05, 0.04, 0.033, 0.067], 30))
@@ -58,15 +58,15 @@ def test_course_is_clockwise_from_north_and_held_at_standstill() -> None:
     times = np.arange(0.0, 20.0, 0.1)
     along = np.clip(times - 5.0, 0.0, 10.0) * 4.0  # standstill, drive, standstill
     flat = np.stack([along * np.cos(0.6), along * np.sin(0.6)], axis=1)  # north, east
-    course = gps.course(times, flat)
+    course = paths.course(times, flat)
     assert course == pytest.approx(np.full(len(times), 0.6), abs=1e-6)
-    way = gps.poses(flat, course)
+    way = paths.poses(flat, course)
     assert way[-1] == pytest.approx([40.0, 0.0, 0.0], abs=1e-6)
-    assert gps.poses(flat, np.zeros(len(times)))[-1, 1] > 0.0  # east of north is to the right
+    assert paths.poses(flat, np.zeros(len(times)))[-1, 1] > 0.0  # east of north is to the right
 
 
 def test_one_degree_north_is_111_km() -> None:
-    flat = gps.north_east(np.array([0.0, 1.0]), np.array([8.0, 8.0]))
+    flat = paths.north_east(np.array([0.0, 1.0]), np.array([8.0, 8.0]))
     assert flat[1, 0] == pytest.approx(111_320.0, rel=1e-3)
-    flat = gps.north_east(np.array([60.0, 60.0]), np.array([8.0, 9.0]))
+    flat = paths.north_east(np.array([60.0, 60.0]), np.array([8.0, 9.0]))
     assert flat[1] == pytest.approx([0.0, 55_660.0], rel=1e-3)

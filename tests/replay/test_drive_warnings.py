@@ -1,70 +1,99 @@
 """Warnings about the reliability of a replayed drive."""
 
+from collections.abc import Callable
 from typing import Any
 
+import made_films
 import numpy as np
-from flow_made import CAMERA, anywhere, driving
-from test_replay_parts import recording
+import pytest
+from test_replay_parts import record, recording
 
-from vpf_sim.replay import drive_warnings
-from vpf_sim.replay.camera_fixed_points import CameraFixedPoints
+from vpf_sim.replay import drive_record
+from vpf_sim.replay.fixed_structure import FixedStructure
 from vpf_sim.replay.mounting_estimate import Angle
 from vpf_sim.replay.recording import IMAGES, Origin
+from vpf_sim.replay.records import DriveWarning, Foe, PerceptionScores
 from vpf_sim.replay.tables import warnings as warnings_table
+from vpf_sim.types import Bools
 
-CLEAN = CameraFixedPoints(CAMERA)
 SURE, WIDE = Angle(0.002, 0.03, 10.0), Angle(0.05, -0.1, 0.2)
-
-
-def record(flow: float | None = 1.0, lane: float | None = 1.0) -> dict[str, Any]:
-    return {"perception": {"foe": {"share": flow}, "road_found_share": lane}}
+BY_FLOW = {"speed_mps": Origin("derived", "from the road's flow", frozenset({IMAGES}))}
+SHAPE = (made_films.HEIGHT_PX, made_films.WIDTH_PX)
 
 
 def found_warnings(
-    seen: dict[str, Any] | None = None, lanes_m: tuple[float, ...] = (), **changes: Any
+    flow: float | None = 1.0,
+    lane: float | None = 1.0,
+    lanes_m: tuple[float, ...] = (),
+    fixed: Bools | None = None,
+    **changes: Any,
 ) -> dict[str, str]:
     origins = {"camera": Origin("recorded"), "speed_mps": Origin("recorded"), **changes.pop("origins", {})}
     drive = recording(10.0, origins=origins, **changes)
-    return dict(drive_warnings.collect(drive, seen or record(), CLEAN, lanes_m))
+    perceived = PerceptionScores(
+        foe=Foe(share=flow, interquartile_range_px=None),
+        yaw_rate_median_error_radps=None,
+        speed_scale=None,
+        ttc=None,
+        road_found_share=lane,
+    )
+    structure = None if fixed is None else FixedStructure(fixed)
+    return dict(drive_record.of_recording(drive, perceived, np.array(lanes_m), structure))
 
 
-def test_fully_recorded_drive_has_no_warnings() -> None:
-    assert found_warnings() == {}
-    assert found_warnings(mounting_found={"pitch": SURE, "yaw": SURE}) == {}
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({}, {}),
+        ({"mounting_found": {"pitch": SURE, "yaw": SURE}}, {}),
+        (
+            {"mounting_found": {"pitch": SURE, "yaw": WIDE}},
+            {"mounting": "yaw -11.3 to -0.1 deg (not used, 0 assumed)"},
+        ),
+        ({"flow": 0.97, "lane": None}, {}),
+        ({"flow": 0.9, "lane": 0.4}, {"flow": "none in 10 %", "lane": "none in 60 %"}),
+        ({"assumed": frozenset({"lens"})}, {"field of view": "60 deg across, assumed; cameras have 40 to 130 deg"}),
+        (
+            {"origins": BY_FLOW, "lanes_m": (3.4,)},
+            {"speed": "from the road's flow: 14.9 m/s in the mean, the truth may be 13.8"},
+        ),
+    ],
+)
+def test_a_drive_has_the_warnings_that_it_needs(changes: dict[str, Any], expected: dict[str, str]) -> None:
+    found = found_warnings(**changes)
+    assert found.keys() == expected.keys()
+    assert all(found[what].startswith(why) for what, why in expected.items()), found
 
 
-def test_uncertain_mounting_has_a_warning_with_its_interval() -> None:
-    warning = found_warnings(mounting_found={"pitch": SURE, "yaw": WIDE})["mounting"]
-    assert "yaw -11.3 to -0.1 deg (not used, 0 assumed)" in warning
-    assert "pitch" not in warning.split(":")[0]
+def test_an_unusual_lane_width_is_in_the_warning_of_the_speed() -> None:
+    assert "lanes come out 2.5 m wide" in found_warnings(origins=BY_FLOW, lanes_m=(2.5, 2.5))["speed"]
+    assert "lanes come out" not in found_warnings(origins=BY_FLOW, lanes_m=(3.4,))["speed"]
 
 
-def test_share_of_frames_without_flow_or_lane_has_a_warning() -> None:
-    assert found_warnings(record(flow=0.97, lane=None)) == {}
-    warning = found_warnings(record(flow=0.9, lane=0.4))
-    assert "10 %" in warning["flow"]
-    assert "60 %" in warning["lane"]
+def painted(paint: Callable[[Any], None]) -> Bools:
+    image = np.zeros((*SHAPE, 3), np.uint8)
+    paint(image)
+    return np.asarray(image.any(axis=2))
 
 
-def test_assumed_lens_has_a_warning_with_its_range() -> None:
-    warning = found_warnings(assumed=frozenset({"lens"}))["field of view"]
-    assert "40 to 130 deg" in warning
+@pytest.mark.parametrize(
+    ("paint", "third"),
+    [(made_films.date_stamp, "lower"), (made_films.cabin, "lower"), (made_films.drops, ""), (made_films.watermark, "")],
+)
+def test_what_is_fixed_to_the_camera_is_warned_of(paint: Callable[[Any], None], third: str) -> None:
+    warning = found_warnings(fixed=painted(paint))["fixed to the camera"]
+    assert f"most in the {third}" in warning
 
 
-def test_speed_by_flow_has_its_interval_and_an_unusual_lane_width() -> None:
-    origins = {"speed_mps": Origin("derived", "from the road's flow", frozenset({IMAGES}))}
-    seen = {lanes_m: found_warnings(lanes_m=lanes_m, origins=origins)["speed"] for lanes_m in ((2.5, 2.5), (3.4,))}
-    assert "the truth may be 13.8 to 16.1" in seen[3.4,]
-    assert "lanes come out" not in seen[3.4,]
-    assert "lanes come out 2.5 m wide" in seen[2.5, 2.5]
+def test_a_lead_vehicle_and_specks_are_not_warned_of() -> None:
+    """A lead vehicle at a constant distance stays in place, too, as does the far end of a road."""
+    mask = np.zeros(SHAPE, np.bool_)
+    assert found_warnings(fixed=mask) == {}
+    mask[60:200, 100:380] = True
+    mask[-10:, 100:112] = True
+    assert found_warnings(fixed=mask) == {}
 
 
-def test_camera_fixed_points_have_a_warning_in_the_table() -> None:
-    fixed_points = CameraFixedPoints(CAMERA)
-    for _ in range(40):
-        fixed_points.add(driving(12.0, 200, anywhere(400)))
-    found = drive_warnings.collect(recording(10.0), record(), fixed_points, ())
-    assert [what for what, _ in found] == ["reflections"]
-    table = warnings_table([{"name": "a", "warnings": found}, {"name": "b", "warnings": []}])
-    assert [row[:2] for row in table.rows] == [("a", "reflections")]
-    assert np.all([row[2] for row in table.rows])
+def test_warnings_are_rows_of_a_table() -> None:
+    warned = record("a", "").model_copy(update={"warnings": (DriveWarning("speed", "rough"),)})
+    assert warnings_table([warned, record("b", "")]).rows == (("a", "speed", "rough"),)

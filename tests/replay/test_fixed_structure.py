@@ -6,10 +6,12 @@ from pathlib import Path
 import made_films
 import numpy as np
 import pytest
+from flow_made import CAMERA, anywhere, driving, flow_of
 from made_films import RATE_HZ, SPEED_MPS, Paint
 
 from vpf_sim.errors import InputError
 from vpf_sim.replay import fixed_structure, readers
+from vpf_sim.replay.flow_derotation import moves
 from vpf_sim.replay.recording import Frame
 from vpf_sim.seeding import stream
 from vpf_sim.types import Image
@@ -85,3 +87,17 @@ def test_stop_of_a_car_with_a_dirty_glass_is_a_stop(tmp_path: Path) -> None:
     drive = readers.read(made_films.write(tmp_path / "drive", images, made_films.drops, camera=KNOWN))
     assert np.median(drive.speed_mps[:-STANDS]) == pytest.approx(SPEED_MPS, rel=0.08)
     assert drive.speed_mps[-STANDS // 2 :] == pytest.approx(np.zeros(STANDS // 2))
+
+
+@pytest.mark.parametrize("speed_mps", [5.0, 12.0, 30.0])
+def test_car_moves_although_most_points_are_on_drops(speed_mps: float) -> None:
+    """87 of 100 points, as on a wet windscreen."""
+    assert moves(driving(speed_mps, 40, anywhere(268)), CAMERA)
+
+
+def test_noise_and_crossing_traffic_are_no_motion_of_the_car() -> None:
+    points, noise = anywhere(300), stream(1, "noise").normal(0.0, 0.05, (300, 2))
+    assert not moves(flow_of(points, points + noise, 1.0), CAMERA)
+    crossing = (points[:, 1] > 150.0) & (points[:, 1] < 210.0)
+    assert 0.1 < crossing.mean() < 0.5
+    assert not moves(flow_of(points, points - np.outer(crossing, [6.0, 0.0]), 1.0), CAMERA)

@@ -11,7 +11,7 @@ from made_films import RATE_HZ, SPEED_MPS
 from vpf_sim.planning import variant
 from vpf_sim.replay import open_loop, readers
 from vpf_sim.replay.fixed_structure import FixedStructure
-from vpf_sim.replay.lane_support import LaneSupport
+from vpf_sim.replay.present_lane import LaneSupport
 from vpf_sim.types import Camera, RoadEdges
 
 CAMERA = "field_of_view_deg = 60.0\nheight_m = 1.4\npitch_deg = 0.0\nyaw_deg = 0.0"
@@ -24,7 +24,7 @@ def found_share(folder: Path, radius_m: float = np.inf, **made: Any) -> float:
     images = made_films.film(seconds=2.5, radius_m=radius_m, **made)
     drive = made_films.write(folder / "drive", images, camera=CAMERA, motion=(SPEED_MPS, SPEED_MPS / radius_m))
     record, _ = open_loop.run(readers.read(drive), "vpf", folder / "out", with_video=False)
-    return float(record["perception"]["road_found_share"])
+    return float(record.perception.road_found_share)
 
 
 @pytest.mark.parametrize(

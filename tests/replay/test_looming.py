@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from vpf_sim.replay.looming import Box, Contact, LoomingConfig, LoomingTracker
+from vpf_sim.replay.obstacles_ahead import Box, Contact, LoomingTracker
 from vpf_sim.seeding import stream
 from vpf_sim.types import Image
 
@@ -37,7 +37,7 @@ def frame(distance_m: float, aside_px: float, foreign: float = 0.0) -> tuple[Ima
 
 def drive(closing_mps: float, frames: int = 16, foreign: float = 0.0, drift_px: float = 0.0) -> tuple[Contact, float]:
     """The last contact, and the distance then."""
-    tracker = LoomingTracker(LoomingConfig(), RATE_HZ)
+    tracker = LoomingTracker(RATE_HZ)
     for k in range(frames):
         distance = 8.0 - closing_mps * k / RATE_HZ
         contact = tracker.update(*frame(distance, drift_px * k, foreign))
@@ -66,14 +66,9 @@ def test_constant_or_growing_distance_has_infinite_ttc(closing_mps: float) -> No
 
 def test_too_few_points_have_unknown_ttc() -> None:
     assert isnan(drive(1.0, frames=3)[0].ttc_s)
-    tracker = LoomingTracker(LoomingConfig(), RATE_HZ)
+    tracker = LoomingTracker(RATE_HZ)
     plain = np.full((320, 480), 90, np.uint8)
     for _ in range(12):
         contact = tracker.update(plain, (100.0, 100.0, 300.0, 200.0))
     assert isnan(contact.ttc_s)
     assert isnan(tracker.update(plain, None).ttc_s)
-
-
-def test_invalid_config_is_refused() -> None:
-    with pytest.raises(ValueError, match="baseline_s"):
-        LoomingConfig(baseline_s=0.0)

@@ -23,7 +23,7 @@ TRUE_STEERING = float(np.arctan(VehicleModel().wheelbase_m / BEND_M) / VehicleMo
 
 def replayed(recording: Recording, out: Path, driver: str = "vpf") -> tuple[dict[str, Any], FrameTable]:
     record, _ = open_loop.run(recording, driver, out, with_video=False)
-    return record, frame_table.read(out / "frames" / "rendered.parquet")
+    return record.as_json(), frame_table.read(out / "frames" / "rendered.parquet")
 
 
 @pytest.fixture(scope="module")

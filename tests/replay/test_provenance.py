@@ -14,6 +14,7 @@ from vpf_sim import cli
 from vpf_sim.replay import scores
 from vpf_sim.replay.frame_table import FrameRow, FrameTable
 from vpf_sim.replay.recording import IMAGES, Origin
+from vpf_sim.replay.records import Counts
 from vpf_sim.types import Image
 
 ORIGIN_SIGNALS = "[camera]\nfield_of_view_deg = 90.0\nheight_m = 1.4\npitch_deg = 0.0\nyaw_deg = 0.0\n"
@@ -63,8 +64,8 @@ def test_assumed_signal_is_not_scored(kind: Any, is_scored: bool) -> None:
     drive = recording(1.0)
     found = scores.accuracies(table(), recording(1.0, origins={**drive.origins, "throttle": Origin(kind)}))
     assert found is not None
-    assert (found["throttle"] is not None, found["idle"]["throttle"] is not None) == (is_scored, is_scored)
-    assert found["steering"] is not None
+    assert (found.throttle is not None, found.idle.throttle is not None) == (is_scored, is_scored)
+    assert found.steering is not None
 
 
 @pytest.mark.parametrize(
@@ -80,7 +81,7 @@ def test_assumed_signal_is_not_scored(kind: Any, is_scored: bool) -> None:
 def test_scored_frames_without_image_are_counted_as_unseen(columns: dict[str, float], count: int) -> None:
     found = scores.accuracies(table(**columns), recording(1.0))
     assert found is not None
-    assert found["unseen"] == {"whole": count, "clear_of_obstacles": count, "with_obstacles": 0}
+    assert found.unseen == Counts(whole=count, clear_of_obstacles=count, with_obstacles=0)
 
 
 def test_yaw_rate_derived_from_steering_does_not_check_it() -> None:
@@ -88,13 +89,13 @@ def test_yaw_rate_derived_from_steering_does_not_check_it() -> None:
     angle = 0.01 * np.sin(np.arange(100) / 10.0)
     rate = drive.speed_mps * np.tan(angle) / 2.7
     apart = recording(10.0, steering_rad=angle, yaw_rate_radps=rate)
-    assert scores.signal_checks(apart)["yaw_rate"]["gain"] == pytest.approx(1.0)
+    assert scores.signal_checks(apart).yaw_rate.gain == pytest.approx(1.0)
     inputs = {name: Origin("recorded") for name in ("speed_mps", "steering_rad")}
     for origin in (Origin.derived_from("the bicycle", inputs), Origin("assumed")):
         same = recording(
             10.0, steering_rad=angle, yaw_rate_radps=rate, origins={**drive.origins, "yaw_rate_radps": origin}
         )
-        assert scores.signal_checks(same)["yaw_rate"] is None
+        assert scores.signal_checks(same).yaw_rate is None
 
 
 def test_constant_speed_gives_no_scored_throttle(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

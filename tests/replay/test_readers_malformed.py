@@ -47,6 +47,10 @@ def drop(name: str) -> Change:
     return lambda folder: (folder / name).unlink()
 
 
+def emptied(name: str) -> Change:
+    return lambda folder: [file.unlink() for file in (folder / name).iterdir()]
+
+
 def swap(name: str, old: str, new: str) -> Change:
     def change(folder: Path) -> None:
         text = (folder / name).read_text()
@@ -101,7 +105,7 @@ def larger(name: str) -> Change:
 
 UDACITY_ROW = "1574859772100000000,1574859772100000000,640,480,center_camera,center/1574859772100000000.png"
 CELLS = ",0.1,0,8,49,8,8"
-
+POSES = "../../poses/03.txt"
 
 FAULTS: dict[str, list[tuple[Change, str]]] = {
     "kitti_raw": [
@@ -115,10 +119,7 @@ FAULTS: dict[str, list[tuple[Change, str]]] = {
         (shorter("image_02/timestamps.txt"), "timestamps.txt: expected 24 rows for 24 files, got 1"),
         (write("oxts/data/0000000003.txt", "1 2 3"), "0000000003.txt: expected 30 numbers, got 3"),
         (write("oxts/data/0000000003.txt", ""), "0000000003.txt: expected a line of 30 numbers"),
-        (
-            lambda folder: [file.unlink() for file in (folder / "image_02/data").iterdir()],
-            "image_02/data: expected two",
-        ),
+        (emptied("image_02/data"), "image_02/data: expected two"),
         (write("tracklet_labels.xml", "<a><b>"), "expected KITTI's tracklets, cannot be read: no element"),
         (larger("image_02/data/0000000005.png"), "expected an image of 96 x 64 px like the first, got 128 x 80"),
         (write("image_02/data/0000000005.png", "x"), "expected an image, got 1 bytes that do not decode"),
@@ -181,7 +182,17 @@ FAULTS: dict[str, list[tuple[Change, str]]] = {
         (swap("signals.csv", ",note", ",speed_mps"), "expected one of the columns speed_mps, speed_kmh, sp"),
     ],
     "kitti_odometry": [
-        (drop("../../poses/03.txt"), "poses.txt: expected a pose of 12 numbers for each image"),
+        (drop(POSES), "poses.txt: expected a pose of 12 numbers for each image"),
+        (emptied("image_2"), "expected .png or .jpg images in one of image/, image_0/"),
+        (drop("calib.txt"), "calib.txt: expected projections of 12 numbers, P0: first, found no file"),
+        (write("calib.txt", "P0: 1 2 3"), "calib.txt: expected a row of 12 numbers (P0: of KITTI), found none"),
+        (write("calib.txt", "P0: " + "0 " * 12), "calib.txt: expected focal lengths > 0, got 0 and 0"),
+        (write("calib.txt", "P0: 1 x"), "calib.txt: line 1: expected numbers, got 'P0: 1 x'"),
+        (row(POSES, 1, "1 2 3"), "03.txt: row 2: expected 12 numbers, got 3"),
+        (row(POSES, 23, "nan " * 12), "03.txt: line 24: expected finite numbers"),
+        (shorter(POSES), "03.txt: expected 24 rows for 24 images (or 23), got 1"),
+        (write("times.txt", "0.0\n0.1"), "times.txt: expected 24 rows for 24 images, got 2"),
+        (row("times.txt", 7, "0.3"), "times.txt: line 8: time: expected a time after that of line 7, got -0.3 s"),
     ],
 }
 
@@ -299,3 +310,4 @@ def test_command_prints_malformed_input_in_one_line(
     assert said.out == ""
     assert said.err.count("\n") == 1
     assert "signals.csv: expected signals, found no file" in said.err
+    assert not list(tmp_path.glob("out/*/*")), "no partial table or video is left behind"

@@ -2,9 +2,9 @@
 
 import json
 import os
-from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import av
 import numpy as np
@@ -14,11 +14,9 @@ import recorded_street as street
 from vpf_sim import cli
 from vpf_sim.driver_interface import Command, DriverSetup, Observation
 from vpf_sim.errors import InputError
-from vpf_sim.replay import camera_motion, frame_table, open_loop, readers
+from vpf_sim.replay import frame_table, open_loop, paths, readers
 from vpf_sim.replay.recording import Recording
 from vpf_sim.types import Camera, Floats
-
-Break = Callable[[Path], object]
 
 SPEED_MPS, YAW_RATE = 8.0, 0.25
 FRAMES = 14
@@ -32,14 +30,10 @@ def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.fixture
-def copy(drive: Path, tmp_path: Path) -> Path:
-    """The drive, to be broken."""
-    folder = tmp_path / "drive"
-    (folder / "image_0").mkdir(parents=True)
-    for file in drive.rglob("*.*"):
-        (folder / file.relative_to(drive)).write_bytes(file.read_bytes())
-    return folder
+def replayed(recording: Recording, driver: str, out: Path) -> dict[str, Any]:
+    """The record as it is stored."""
+    record, _ = open_loop.run(recording, driver, out)
+    return record.as_json()
 
 
 def test_recording_has_the_driven_motion(drive: Path) -> None:
@@ -67,7 +61,7 @@ def test_true_foe_is_the_direction_of_motion(drive: Path) -> None:
 
 
 def test_replay_writes_error_table_and_video(drive: Path, tmp_path: Path) -> None:
-    entry, _ = open_loop.run(readers.read(drive), "vpf", tmp_path)
+    entry = replayed(readers.read(drive), "vpf", tmp_path)
     assert entry["frames"] == FRAMES
     assert set(entry["accuracy"]) >= {"throttle", "steering"}  # against those derived from the poses
     assert {"throttle", "steering_rad"} <= set(entry["derived"])
@@ -84,7 +78,7 @@ def test_replay_writes_error_table_and_video(drive: Path, tmp_path: Path) -> Non
 
 
 def test_route_baseline_follows_the_driven_path(drive: Path, tmp_path: Path) -> None:
-    entry, _ = open_loop.run(readers.read(drive), "pid", tmp_path)
+    entry = replayed(readers.read(drive), "pid", tmp_path)
     assert entry["foe_median_error_px"] is None  # it uses no images
     assert np.median(frame_table.read(tmp_path / "frames" / "bend.parquet").steering) > 0.0  # the bend goes right
 
@@ -162,84 +156,15 @@ def test_driver_that_fails_at_once_leaves_an_empty_drive(
 
 def test_path_continues_past_a_missing_last_pose() -> None:
     known = street.poses(5, SPEED_MPS, YAW_RATE, 0.0, 0.0)
-    longer = camera_motion.extended(known, 6)
+    longer = paths.extended(known, 6)
     assert longer[5] == pytest.approx(street.poses(6, SPEED_MPS, YAW_RATE, 0.0, 0.0)[5], abs=1e-9)
 
 
 def test_standing_camera_has_no_foe() -> None:
     standing: Floats = np.array([[0.0, 0.0, 0.001], [0.0, 0.0, -1.0], [0.1, 0.0, 1.0]])
-    foe = camera_motion.expansion(Camera(), standing)
+    foe = paths.expansion(Camera(), standing)
     assert np.isnan(foe[:2]).all()
     assert foe[2] == pytest.approx([319.5 + 32.0, 239.5])
-
-
-def _without(name: str) -> Break:
-    return lambda folder: (folder / name).unlink()
-
-
-def _empty_images(folder: Path) -> None:
-    for file in (folder / "image_0").iterdir():
-        file.unlink()
-
-
-def _write(name: str, text: str) -> Break:
-    return lambda folder: (folder / name).write_text(text)
-
-
-def _drop_poses(folder: Path) -> None:
-    rows = (folder / "poses.txt").read_text().splitlines()
-    (folder / "poses.txt").write_text("\n".join(rows[:-3]))
-
-
-def _short_row(folder: Path) -> None:
-    rows = (folder / "poses.txt").read_text().splitlines()
-    (folder / "poses.txt").write_text("\n".join([rows[0], "1 2 3", *rows[2:]]))
-
-
-def _nan_row(folder: Path) -> None:
-    rows = (folder / "poses.txt").read_text().splitlines()
-    (folder / "poses.txt").write_text("\n".join([*rows[:-1], "nan " * 12]))
-
-
-TIMES_BACK = "\n".join(str(0.1 * k if k != 7 else 0.3) for k in range(FRAMES))
-
-
-@pytest.mark.parametrize(
-    ("break_it", "sentence"),
-    [
-        (_empty_images, "expected .png or .jpg images in one of image/, image_0/"),
-        (_write("image_0/000005.png", "no image"), "000005.png: expected an image, got 8 bytes that do not decode"),
-        (_write("image_0/000000.png", ""), "000000.png: expected an image, got 0 bytes that do not decode"),
-        (_without("calib.txt"), "calib.txt: expected projections of 12 numbers, P0: first, found no file"),
-        (_write("calib.txt", "P0: 1 2 3"), "calib.txt: expected a row of 12 numbers (P0: of KITTI), found none"),
-        (_write("calib.txt", "P0: " + "0 " * 12), "calib.txt: expected focal lengths > 0, got 0 and 0"),
-        (_write("calib.txt", "P0: 1 x"), "calib.txt: line 1: expected numbers, got 'P0: 1 x'"),
-        (_without("poses.txt"), "poses.txt: expected a pose of 12 numbers for each image, found no file"),
-        (_drop_poses, "poses.txt: expected 14 rows for 14 images (or 13), got 10"),
-        (_short_row, "poses.txt: row 2: expected 12 numbers, got 3"),
-        (_nan_row, "poses.txt: line 13: expected finite numbers"),
-        (_write("times.txt", "0.0\n0.1"), "times.txt: expected 14 rows for 14 images, got 2"),
-        (
-            _write("times.txt", TIMES_BACK),
-            "times.txt: line 8: time: expected a time after that of line 7, got -0.3 s later",
-        ),
-    ],
-)
-def test_broken_drive_is_one_clear_line(
-    copy: Path,
-    break_it: Break,
-    sentence: str,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    break_it(copy)
-    code = cli.run(["replay", str(copy), "--driver", "neutral", "--out", str(tmp_path / "out")])
-    said = capsys.readouterr()
-    assert code == 2
-    assert said.out == ""
-    assert sentence in said.err
-    assert said.err.count("\n") == 1
-    assert not list(tmp_path.glob("out/*/*")), "no partial table or video is left behind"
 
 
 def test_missing_and_full_folders_are_refused(drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -250,29 +175,17 @@ def test_missing_and_full_folders_are_refused(drive: Path, tmp_path: Path, capsy
     assert "expected an empty or new folder for --out" in capsys.readouterr().err
 
 
-@pytest.fixture
-def shared_drive() -> Recording:
-    if "VPF_SIM_SHARED" not in os.environ:
-        pytest.skip("VPF_SIM_SHARED is not set: it names the folder that has drives/")
-    return readers.read(Path(os.environ["VPF_SIM_SHARED"]) / "drives" / "kitti_vo_seq1")
-
-
-def test_shared_drive_agrees_with_its_labels(shared_drive: Recording) -> None:
+@pytest.mark.skipif("VPF_SIM_SHARED" not in os.environ, reason="needs the recorded drives; set VPF_SIM_SHARED")
+def test_shared_drive_agrees_with_its_labels() -> None:
     folder = Path(os.environ["VPF_SIM_SHARED"]) / "drives" / "kitti_vo_seq1"
+    shared_drive = readers.read(folder)
     labels = np.genfromtxt(folder / "labels.csv", delimiter=",", names=True)
     poses = np.loadtxt(folder / "poses.txt").reshape(-1, 3, 4)
     assert len(shared_drive) == len(poses) == 51
     moved = np.array([a[:, :3].T @ (b[:, 3] - a[:, 3]) for a, b in pairwise(poses)])
     label = np.stack([labels["foe_x_px"], labels["foe_y_px"]], axis=1)[: len(moved)]
-    assert np.abs(camera_motion.expansion(shared_drive.camera, moved) - label).max() < 1e-3
+    assert np.abs(paths.expansion(shared_drive.camera, moved) - label).max() < 1e-3
     # Row k of the labels is in the axes of frame k; ours is at k + 1 in the axes halfway between.
     half_turn_px = 707.0912 * 0.5 * np.diff(shared_drive.poses[:, 2])
     assert np.abs(shared_drive.foe_px[1:, 0] - (label[:, 0] - half_turn_px)).max() < 0.2
     assert shared_drive.speed_mps[:50] == pytest.approx(labels["speed_mps"], abs=0.15)
-
-
-def test_shared_drive_has_its_foe(shared_drive: Recording, tmp_path: Path) -> None:
-    entry, _ = open_loop.run(shared_drive, "vpf", tmp_path)
-    assert entry["foe_median_error_px"]["x"] <= 3.0
-    assert entry["foe_median_error_px"]["y"] <= 3.5
-    assert entry["foe_median_error_own_derotation_px"]["x"] <= 4.0

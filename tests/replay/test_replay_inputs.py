@@ -9,7 +9,10 @@ import pytest
 import recorded_layouts as layouts
 
 from vpf_sim import cli
-from vpf_sim.replay import inputs, readers
+from vpf_sim.evaluation import parquet
+from vpf_sim.replay import readers, replay_folder
+from vpf_sim.replay.frame_table import FrameRow
+from vpf_sim.replay.records import ReplayPlan
 
 ODD_NAMES = ["commute 08:30", "../outside", "a\\b", 'say "hi"?*', ".hidden", "-rf", "con"]
 ODD_NAMES += ["/tmp/vpf_sim_outside"]
@@ -87,7 +90,8 @@ def test_resume_accepts_unchanged_inputs(place: Path, capsys: pytest.CaptureFixt
 
 
 def test_resume_compares_the_code_of_a_custom_driver(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert inputs.hashes({}, "test_replay_inputs:Mine", None)["drivers"].keys() == {"test_replay_inputs:Mine"}
+    mine = "test_replay_inputs:Mine"
+    assert replay_folder.manifest(ReplayPlan(driver=mine, drives={}), []).drivers.keys() == {mine}
     driver = f"vpf@{place / 'own.toml'}"
     assert replay(place, driver, "--out", str(place / "second")) == 0
     (place / "own.toml").write_text("[road_edges]\nlanes = 4\n")
@@ -129,26 +133,42 @@ def test_resume_of_a_spoilt_manifest_is_one_line(
     assert said.count("\n") == 1
 
 
-def test_resume_compares_the_content_of_the_weather_file(tmp_path: Path) -> None:
-    wet = tmp_path / "wet.toml"
-    hashes = []
-    for droplets in (30, 40):
-        wet.write_text(f"droplets = {droplets}.0\n")
-        hashes.append(inputs.hashes({}, "neutral", str(wet))["weathers"])
-    assert hashes[0].keys() == hashes[1].keys() == {str(wet)}
-    assert hashes[0] != hashes[1]
+def test_a_folder_of_an_earlier_version_is_read(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It lacks keys and columns that came later, and has some that this version does not know."""
+    record = json.loads((place / "run" / "replays.jsonl").read_text())
+    lacked = ("mounting", "speed_interval", "warnings")
+    stored = {key: value for key, value in record.items() if key not in lacked} | {"shadows": 3}
+    (place / "run" / "replays.jsonl").write_text(json.dumps(stored) + "\n")
+    table = place / "run" / "frames" / "my drive.parquet"
+    columns = [name for name in FrameRow._fields if not name.startswith("obstacles")]
+    parquet.write(parquet.read(table, columns, "frames", "frame"), columns, table)
+    assert replay(place, "neutral", "--out", str(place / "run"), "--resume", "--json") == 0
+    (found,) = json.loads(capsys.readouterr().out)["drives"]
+    assert found == {**record, "mounting": None, "speed_interval": None, "warnings": []}
+
+
+@pytest.mark.parametrize(("key", "value"), [("frames", "many"), ("perception", None), ("origins", {"camera": 3})])
+def test_a_record_that_is_none_is_one_line(
+    key: str, value: object, place: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = place / "run" / "replays.jsonl"
+    file.write_text(json.dumps(json.loads(file.read_text()) | {key: value}) + "\n")
+    assert replay(place, "neutral", "--out", str(place / "run"), "--resume") == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f'vpf-sim: {file}: "my drive": {key}')
+    assert said.count("\n") == 1
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_changed_image_changes_the_hash_in_each_layout(layout: str, tmp_path: Path) -> None:
     folder = LAYOUTS[layout](tmp_path)
-    before = inputs.of_recording(readers.read(folder))
+    before = replay_folder.of_recording(readers.read(folder))
     files = [path for path in sorted(tmp_path.rglob("*")) if path.suffix in (".png", ".jpg", ".mp4", ".hevc")]
     for one in files:
         one.write_bytes(one.read_bytes() + b"\0")
-    after = inputs.of_recording(readers.read(folder))
+    after = replay_folder.of_recording(readers.read(folder))
     name = files[0].name if files[0].suffix in (".mp4", ".hevc") else "images"
-    assert inputs.changed(before, after, ("read", "derived")) == name
+    assert replay_folder.changed(before, after, ("read", "derived")) == name
 
 
 @pytest.fixture(scope="module")

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from math import atan, inf, sin, tan
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -9,12 +10,12 @@ import pytest
 
 from vpf_sim.controllers.gtsmc import load_gains
 from vpf_sim.driver_interface import Observation
-from vpf_sim.replay import obstacles_ahead, real_table, scores
+from vpf_sim.replay import drive_record, obstacles_ahead, real_table, scores
 from vpf_sim.replay.frame_table import FrameRow, FrameTable
-from vpf_sim.replay.model_vehicle import Interval, ModelVehicle
+from vpf_sim.replay.model_vehicle import Interval, ModelVehicle, segments
 from vpf_sim.replay.present_lane import is_found, obstacles_in_vehicle_frame, present_lane, road_in_vehicle_frame
 from vpf_sim.replay.recording import Frame, Origin, Recording
-from vpf_sim.replay.segments import segments
+from vpf_sim.replay.records import Accuracies, Both, LanePart, Row, SignalOrigin
 from vpf_sim.types import Camera, Floats, Obstacles, Reference, RoadEdges, VehicleModel
 
 VEHICLE = VehicleModel()
@@ -153,12 +154,12 @@ def test_frames_without_a_lane_are_not_scored() -> None:
     lost = [row._replace(road_found=0.0, throttle=-1.0, steering=-1.0) if row.frame >= 12 else row for row in rows]
     found = scores.accuracies(FrameTable.of(lost), recording(2.0))
     assert found is not None
-    assert (found["steering"]["mae"], found["throttle"]["mae"]) == (0.0, 0.0)
-    assert found["frames"]["whole"] == 12
-    assert found["lane"]["not_found"] == {"frames": 8, "steering": None, "idle": None}
+    assert (found.steering.mae, found.throttle.mae) == (0.0, 0.0)
+    assert found.frames.whole == 12
+    assert found.lane.not_found == LanePart(frames=8, steering=None, idle=None)
     nowhere = scores.accuracies(FrameTable.of([row._replace(road_found=0.0) for row in rows]), recording(2.0))
     assert nowhere is not None
-    assert (nowhere["steering"], nowhere["frames"]["whole"]) == (None, 0)
+    assert (nowhere.steering, nowhere.frames.whole) == (None, 0)
 
 
 def test_road_and_obstacles_are_in_the_model_vehicle_frame() -> None:
@@ -172,48 +173,48 @@ def test_road_and_obstacles_are_in_the_model_vehicle_frame() -> None:
 
 
 def record(name: str, weather: str, throttle: str = "recorded", added: str | None = None, mae: float = 0.1) -> Any:
+    """The record of an empty drive, with these origins and scores."""
+    drive, table = recording(1.0), FrameTable.of([])
+    replayed = SimpleNamespace(protocol="", restarts=0, unlike_training=lambda: "")
+    empty = drive_record.of(replace(drive, weather=weather), "vpf", replayed, table, drive_record.Accumulated(), None)
     one = {"range": 1.0 - mae / 2.0, "span": None, "tolerance": 1.0, "mae": mae}
-    part = {"throttle": one, "steering": one}
-    frames = {"whole": 10 if mae < 0.2 else 30, "clear_of_obstacles": 10 if mae < 0.2 else 30, "with_obstacles": 0}
-    none = {"throttle": None, "steering": None}
-    halves = {"clear_of_obstacles": part, "with_obstacles": none}
-    return {
+    both, none = {"throttle": one, "steering": one}, {"throttle": None, "steering": None}
+    parts = {**both, "clear_of_obstacles": both, "with_obstacles": none}
+    count = 10 if mae < 0.2 else 30
+    frames, unseen = ({"whole": n, "clear_of_obstacles": n, "with_obstacles": 0} for n in (count, count // 2))
+    lane = {key: {"frames": 0, "steering": None, "idle": None} for key in ("found", "not_found")}
+    accuracy = {**parts, "frames": frames, "unseen": unseen, "idle": parts, "lane": lane}
+    kinds = {"throttle": throttle, "steering_rad": "recorded"}
+    changes = {
         "name": name,
-        "weather": weather,
         "added": added,
         "obstacles_by": "label",
-        "origins": {"throttle": {"kind": throttle}, "steering_rad": {"kind": "recorded"}},
-        "error": None,
-        "accuracy": {
-            **part,
-            **halves,
-            "frames": frames,
-            "unseen": {key: value // 2 for key, value in frames.items()},
-            "idle": {**part, **halves},
-        },
+        "origins": {signal: SignalOrigin(kind=kind, how="") for signal, kind in kinds.items()},
+        "accuracy": Accuracies.model_validate(accuracy),
     }
+    return empty.model_copy(update=changes)
 
 
-def filled(records: list[Any]) -> list[dict[str, Any]]:
-    return [row for row in real_table.rows(records) if row["frames"]]
+def filled(records: list[Any]) -> list[Row]:
+    return [row for row in real_table.summary(records).rows if row.frames]
 
 
 def test_drives_are_weighted_by_their_frames() -> None:
     (row,) = filled([record("a", "Overcast"), record("b", "cloudy", mae=0.3)])
-    assert (row["weather"], row["drives"], row["frames"], row["unseen"]) == ("cloudy", ["a", "b"], 40, 20)
-    assert row["accuracy"]["throttle"]["mae"] == pytest.approx((10 * 0.1 + 30 * 0.3) / 40)
-    assert row["paper"] == {"throttle": 0.6943, "steering": 0.6492}
+    assert (row.weather, row.drives, row.frames, row.unseen) == ("cloudy", ("a", "b"), 40, 20)
+    assert row.accuracy.throttle.mae == pytest.approx((10 * 0.1 + 30 * 0.3) / 40)
+    assert row.paper == Both[float](throttle=0.6943, steering=0.6492)
 
 
 def test_derived_and_simulated_signals_have_their_own_rows() -> None:
     mixed = [record("a", "rain"), record("b", "rain", "derived"), record("c", "rain", added="simulated water")]
-    found = {(row["signals"]["throttle"], row["added"]): row for row in filled(mixed)}
+    found = {(row.signals.throttle, row.added): row for row in filled(mixed)}
     assert set(found) == {("recorded", None), ("derived", None), ("recorded", "simulated water")}
-    assert found["recorded", "simulated water"]["paper"] is None
+    assert found["recorded", "simulated water"].paper is None
 
 
 def test_paper_cells_without_a_drive_remain() -> None:
-    cells = [(row["weather"], row["part"]) for row in real_table.rows([record("a", "sunny")]) if row["paper"]]
+    cells = [(row.weather, row.part) for row in real_table.summary([record("a", "sunny")]).rows if row.paper]
     assert cells == list(real_table.PAPER)
 
 
@@ -245,8 +246,8 @@ def test_ttc_is_scored_where_the_gap_closes() -> None:
     true = table.lead_gap_m / 2.0
     found = scores.time_to_contact(table.replaced("ttc_s", np.where(table.frame < 10, 1.1, 1.5) * true))
     assert found is not None
-    assert (found["frames"], found["seen"], found["within_25_percent"]) == (20, 1.0, 0.5)
-    assert found["median_error"] == pytest.approx(0.3)
+    assert (found.frames, found.seen, found.within_25_percent) == (20, 1.0, 0.5)
+    assert found.median_error == pytest.approx(0.3)
 
 
 def test_inverted_steering_sign_gives_negative_gain() -> None:
@@ -255,4 +256,4 @@ def test_inverted_steering_sign_gives_negative_gain() -> None:
     steering = np.arctan(VEHICLE.wheelbase_m * rate / drive.speed_mps)
     for sign in (1.0, -1.0):
         checked = scores.signal_checks(replace(drive, yaw_rate_radps=rate, steering_rad=sign * steering))
-        assert checked["yaw_rate"]["gain"] == pytest.approx(sign)
+        assert checked.yaw_rate.gain == pytest.approx(sign)

@@ -1,10 +1,10 @@
 """`vpf-sim replay`: run a driver open loop on recorded drives."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -25,8 +25,9 @@ from vpf_sim.system import command
 
 if TYPE_CHECKING:
     from vpf_sim.replay.recording import Recording
+    from vpf_sim.replay.records import Summary
     from vpf_sim.replay.replay_folder import ReplayFolder
-    from vpf_sim.replay.tables import Table
+    from vpf_sim.reporting.kit.page import Table
 
 
 DrivesArgument = Annotated[
@@ -67,7 +68,8 @@ def replay(
     """
     from vpf_sim import drivers
     from vpf_sim.evaluation.sweeps import run_folder
-    from vpf_sim.replay import inputs
+    from vpf_sim.replay import replay_folder
+    from vpf_sim.replay.records import ReplayPlan
     from vpf_sim.replay.replay_folder import ReplayFolder
     from vpf_sim.reporting.video import require
     from vpf_sim.system import limit_opencv
@@ -77,46 +79,29 @@ def replay(
         require("replay without --no-video")
     with prints_on_stderr():
         drivers.create(driver)
-    recordings, refused = _read(drive)
-    if water is not None:
-        recordings = _with_water(recordings, water)
-    plan: dict[str, object] = {
-        "driver": driver,
-        "water": water,
-        "drives": {name: str(at) for name, (at, _) in recordings.items()},
-    }
-    if faults is not None:
-        recordings = _with_faults(recordings, faults)
-        plan["faults"] = _fault_settings(faults)
-    inputs_and_plan = {
-        "plan": plan,
-        **inputs.hashes({name: recording for name, (_, recording) in recordings.items()}, driver, water),
-    }
-    folder = ReplayFolder(out or run_folder.new_path("replay"), inputs_and_plan, resume, mixed)
+    found, refused = _read(drive)
+    recordings, settings = _simulated([recording for _, recording in found], water, faults)
+    drives = {recording.name: str(path) for path, recording in found}
+    plan = ReplayPlan(driver=driver, water=water, drives=drives, faults=settings)
+    manifest = replay_folder.manifest(plan, recordings)
+    folder = ReplayFolder(out or run_folder.new_path("replay"), manifest, resume, mixed)
     try:
-        code = max(refused, _replay_all(folder, driver, [recording for _, recording in recordings.values()], video))
+        code = max(refused, _replay_all(folder, driver, recordings, video))
         summary = folder.summarize()
         if folder.done or code != 2:  # nothing to report if no drive could be used
             _report(folder, summary, json)
     except (KeyboardInterrupt, OSError):
         say(f"stopped with {len(folder.done)} of {len(recordings)} drives stored")
-        say(f"go on with: {_resume_command(drive, driver, water, faults, video, mixed, folder.path)}")
+        options = {"driver": driver, "water": water, "faults": faults, "no_video": not video}
+        say(f"go on with: {command('replay', *drive, **options, out=folder.path, resume=True, mixed=mixed)}")
         raise
     finally:
         folder.close()
     raise typer.Exit(code)
 
 
-def _resume_command(
-    drives: list[Path], driver: str, water: str | None, faults: str | None, video: bool, mixed: bool, folder: Path
-) -> str:
-    """The command that resumes the replay."""
-    options = {"driver": driver, "water": water, "faults": faults, "no_video": not video}
-    return command("replay", *drives, **options, out=folder, resume=True, mixed=mixed)
-
-
-def _read(paths: list[Path]) -> "tuple[dict[str, tuple[Path, Recording]], int]":
-    """The recordings by name, and 2 if one cannot be read: fatal only if there is no other."""
+def _read(paths: list[Path]) -> "tuple[list[tuple[Path, Recording]], int]":
+    """Paths and recordings, and 2 if one cannot be read: fatal only if there is no other."""
     from vpf_sim.replay import readers
 
     found: list[tuple[Path, Recording]] = []
@@ -133,38 +118,32 @@ def _read(paths: list[Path]) -> "tuple[dict[str, tuple[Path, Recording]], int]":
     return _with_unique_names(found), 2 if faults else 0
 
 
-def _with_water(recordings: "dict[str, tuple[Path, Recording]]", weather: str) -> "dict[str, tuple[Path, Recording]]":
-    from vpf_sim.envs.camera import weather as weathers
-    from vpf_sim.replay.added import with_water
-
-    loaded = weathers.load(weather)
-    return {name: (path, with_water(recording, loaded)) for name, (path, recording) in recordings.items()}
-
-
-def _with_faults(recordings: "dict[str, tuple[Path, Recording]]", scenario: str) -> "dict[str, tuple[Path, Recording]]":
+def _simulated(
+    recordings: "list[Recording]", water: str | None, faults: str | None
+) -> "tuple[list[Recording], dict[str, object] | None]":
+    """The recordings with a weather's water and a scenario's sensor faults, and the settings of the faults."""
     from vpf_sim import scenarios
-    from vpf_sim.replay.added import with_faults
+    from vpf_sim.envs.camera import weather
+    from vpf_sim.replay import added
 
-    faults = scenarios.load(scenario).ego.sensor_faults
-    return {name: (path, with_faults(recording, faults)) for name, (path, recording) in recordings.items()}
+    if water is not None:
+        wet = weather.load(water)
+        recordings = [added.with_water(recording, wet) for recording in recordings]
+    if faults is None:
+        return recordings, None
+    sensors = scenarios.load(faults).ego.sensor_faults
+    return [added.with_faults(recording, sensors) for recording in recordings], sensors.model_dump()
 
 
-def _fault_settings(scenario: str) -> dict[str, object]:
-    """The sensor faults of a scenario, for the manifest."""
-    from vpf_sim import scenarios
-
-    return scenarios.load(scenario).ego.sensor_faults.model_dump()
-
-
-def _with_unique_names(found: "list[tuple[Path, Recording]]") -> "dict[str, tuple[Path, Recording]]":
+def _with_unique_names(found: "list[tuple[Path, Recording]]") -> "list[tuple[Path, Recording]]":
     """Give drives of the same name a number, also where they differ only by case."""
     taken: set[str] = set()
-    result = {}
+    result = []
     for path, recording in found:
         names = (recording.name, *(f"{recording.name}-{number}" for number in range(2, len(found) + 2)))
         name = next(name for name in names if file_name(name).casefold() not in taken)
         taken.add(file_name(name).casefold())
-        result[name] = (path, replace(recording, name=name))
+        result.append((path, replace(recording, name=name)))
     return result
 
 
@@ -177,7 +156,7 @@ def _replay_all(folder: "ReplayFolder", driver: str, recordings: "list[Recording
         lacks_video = video and not recording.no_images and not video_path(folder.path, recording.name).exists()
         if recording.name not in folder.done or lacks_video:
             code = max(code, _replay_one(folder, driver, recording, video))
-    return max(code, *(int(record["error"] is not None) for record in folder.records()), 0)
+    return max(code, *(int(record.error is not None) for record in folder.records()), 0)
 
 
 def _replay_one(folder: "ReplayFolder", driver: str, recording: "Recording", video: bool) -> int:
@@ -195,11 +174,11 @@ def _replay_one(folder: "ReplayFolder", driver: str, recording: "Recording", vid
     except Exception as error:  # the driver's own; go on with the other drives
         _print_fault(f"{recording.name}: error: at {open_loop_driver.place(error)}: {open_loop_driver.what(error)}")
         return 1
-    if (fault := record["error"]) is not None:
-        where = f"frame {fault['frame']} of {len(recording)}, at {fault['place']}: {fault['what']}"
+    if (fault := record.error) is not None:
+        where = f"frame {fault.frame} of {len(recording)}, at {fault.place}: {fault.what}"
         _print_fault(f"{recording.name}: error: {where}; the frames before it are stored")
         return 1
-    if not record["driven"]:
+    if not record.driven:
         _print_fault(recording.no_images)
         return 2
     return 0
@@ -209,37 +188,37 @@ def _print_fault(text: str) -> None:
     print(f"vpf-sim: {in_one_line(text)}", file=sys.stderr)
 
 
-def _progress(name: str) -> Any:
+def _progress(name: str) -> Callable[[int, int], None]:
     """A callback that prints the number of replayed frames on a terminal."""
 
     def show(done: int, total: int) -> None:
         if sys.stderr.isatty():
-            print(
-                f"\r{in_one_line(name)}: {done}/{total} frames",
-                end="\n" if done == total else "",
-                file=sys.stderr,
-                flush=True,
-            )
+            end = "\n" if done == total else ""
+            print(f"\r{in_one_line(name)}: {done}/{total} frames", end=end, file=sys.stderr, flush=True)
 
     return show
 
 
-def _report(folder: "ReplayFolder", summary: dict[str, Any], as_json: bool) -> None:
+def _report(folder: "ReplayFolder", summary: "Summary", as_json: bool) -> None:
     from vpf_sim.replay import page
     from vpf_sim.replay.tables import drives, real_images, warnings
 
     records, timing = folder.records(), folder.timing()
     path = page.write(folder.path, records, timing, summary)
     if as_json:
-        print_json({"out": str(folder.path), "report": str(path), "drives": records, "timing": timing, **summary})
+        stored = [record.as_json() for record in records]
+        times = {name: one.model_dump() for name, one in timing.items()}
+        where = {"out": str(folder.path), "report": str(path)}
+        print_json({**where, "drives": stored, "timing": times, **summary.model_dump()})
     else:
-        print_short([warnings(records), drives(records), real_images(summary["rows"], summary["differences"])])
+        print_short([warnings(records), drives(records), real_images(summary)])
         print(f"\nall tables, plots and videos: {path}\nframes and records: {folder.path}")
 
 
 def print_short(tables: "Sequence[Table]") -> None:
     """Print tables without notes and without rows that lack a recording, which the page has."""
-    shown = [table for table in tables if len(table.rows) > table.empty]
+    shown = [table for table in tables if len(table.rows) > table.faint]
     for number, table in enumerate(shown):
         print(("\n" if number else "") + table.title + "\n")
-        print_table(table.header, table.rows[: len(table.rows) - table.empty], table.words)
+        rows = [[cell if isinstance(cell, str) else cell.text for cell in row] for row in table.rows]
+        print_table(table.header, rows[: len(rows) - table.faint], table.left)

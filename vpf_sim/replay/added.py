@@ -12,7 +12,8 @@ from vpf_sim.envs.camera.view import View
 from vpf_sim.envs.camera.weather import Weather
 from vpf_sim.envs.sensors import SPEED, YAW_RATE, CameraFaults, SignalFaults
 from vpf_sim.errors import InputError
-from vpf_sim.replay.recording import Frame, Origin, Recording
+from vpf_sim.replay.image_files import Frame
+from vpf_sim.replay.recording import Origin, Recording
 from vpf_sim.scenarios.parts import SensorFaults
 
 
@@ -38,7 +39,7 @@ def _with_camera_faults(recording: Recording, faults: SensorFaults, seed: int) -
             image, time_s = camera.frame(frame.image, float(recording.times_s[frame.index]))
             yield replace(frame, image=image, time_s=time_s)
 
-    return replace(recording, frames=frames)
+    return replace(recording, frames=frames, fixed=None)
 
 
 def _with_signal_faults(recording: Recording, faults: SensorFaults, seed: int) -> Recording:
@@ -79,4 +80,4 @@ def with_water(recording: Recording, weather: Weather, seed: int = 0) -> Recordi
             yield replace(frame, image=wet)
 
     added = Origin("derived", f"simulated water of {weather.name}")
-    return replace(recording, frames=frames, origins={**recording.origins, "weather": added})
+    return replace(recording, frames=frames, fixed=None, origins={**recording.origins, "weather": added})

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import islice
 from pathlib import Path
 
@@ -11,19 +12,12 @@ import numpy as np
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import unwrapped
 from vpf_sim.planning import variant
-from vpf_sim.replay import (
-    calibrate,
-    camera_motion,
-    consistency,
-    derived,
-    fixed_structure,
-    lane_height,
-    plausible,
-    series,
-)
+from vpf_sim.replay import calibrate, consistency, derived, fixed_structure, lane_height, paths, plausible, series
+from vpf_sim.replay.fixed_structure import FixedStructure
+from vpf_sim.replay.image_files import Frame
 from vpf_sim.replay.mounting_estimate import Angle
-from vpf_sim.replay.recording import IMAGES, Assumption, Frame, Kind, Origin, Recording
-from vpf_sim.replay.rectify import Lens, Mounting, rectified, rectified_frames, reduction, rotation
+from vpf_sim.replay.recording import IMAGES, Assumption, Kind, Origin, Recording
+from vpf_sim.replay.rectify import Lens, Mounting, rectified, rectified_frames, reduced, reduction, rotation, shrunk
 from vpf_sim.types import Bools, Camera, Floats, Image
 
 WHEELBASE_M = 2.7  # of a typical car
@@ -62,6 +56,16 @@ class Source:
     no_images: str = ""
     files: Sequence[Path | None] = ()  # images and other files it is read from; some may be missing
     bridged: dict[str, Bools] = field(default_factory=dict)  # (N,) by signal, where it is interpolated over a gap
+    _fixed: list[FixedStructure | None] = field(default_factory=list)  # once it was looked for
+
+    def fixed(self, mounting: Mounting) -> FixedStructure | None:
+        """What is fixed to the camera, in frames that are rectified for a mounting; it is looked for once."""
+        small = reduced(self.lens, reduction(self.lens.width_px))
+        if not self._fixed:
+            frames = rectified_frames(self.frames(), lambda image: shrunk(image, small))
+            self._fixed.append(fixed_structure.find(frames, self.times_s))
+        found = self._fixed[0]
+        return found and found.rectified(rectified(small, mounting)[1])
 
     def checked(self, name: str, values: Floats, how: str, kind: Kind = "recorded") -> Floats:
         """Values (M,) or (M, 3) at any times, with impossible ones replaced by nan."""
@@ -162,8 +166,8 @@ def _calibrated_by_flow(source: Source) -> calibrate.FlowCalibration | None:
     if not needed or source.no_images:
         return None
     known = [source.signals.get(name) for name in ("speed_mps", "yaw_rate_radps")]
-    height_m = source.mounting.height_m if source.mounting else source.height_m
-    camera, rectify_image = rectified(source.lens, Mounting(height_m=height_m))
+    level = Mounting(height_m=source.mounting.height_m if source.mounting else source.height_m)
+    camera, rectify_image = rectified(source.lens, level)
     own = calibrate.estimate(
         rectified_frames(source.frames(), rectify_image),
         camera,
@@ -171,7 +175,7 @@ def _calibrated_by_flow(source: Source) -> calibrate.FlowCalibration | None:
         known[0],
         known[1],
         source.camera_ahead_m,
-        fixed_structure.find(rectified_frames(source.frames(), rectify_image), source.times_s),
+        source.fixed(level),
     )
     if "speed_mps" not in source.signals and own.is_blind.mean() > LEAST_BLIND_SHARE:
         share = f"{100.0 * own.is_blind.mean():.0f} % of the frames"
@@ -190,8 +194,7 @@ def _height_by_lanes(source: Source) -> float:
     camera, rectify_image = rectified(source.lens, source.mounting)
     config = variant.load(calibrate.VARIANT).road_edges
     frames = rectified_frames(source.frames(), rectify_image)
-    fixed = fixed_structure.find(rectified_frames(source.frames(), rectify_image), source.times_s)
-    found = lane_height.height_m(frames, camera, source.times_s, config, fixed)
+    found = lane_height.height_m(frames, camera, source.times_s, config, source.fixed(source.mounting))
     if found is None:
         return 1.0
     scale = found / source.mounting.height_m
@@ -211,8 +214,8 @@ def _describe_mounting(source: Source, own: calibrate.FlowCalibration) -> None:
 
 
 def _angle_text(side: str, found: Angle) -> str:
-    value, half = np.degrees([found.rad, found.half_width_rad])
-    interval = f"{value - half:.1f} to {value + half:.1f} deg {side} by {found.seconds:.1f} s of straight road"
+    low, high = found.interval_deg
+    interval = f"{low:.1f} to {high:.1f} deg {side} by {found.seconds:.1f} s of straight road"
     return f"looks {interval}" if found.is_used else f"assumed to look 0 deg {side}: the images give {interval}"
 
 
@@ -299,6 +302,7 @@ def _finished(source: Source) -> Recording:
         weather=source.weather,
         notes=tuple(source.notes),
         mounting_found=source.mounting_found,
+        fixed=partial(source.fixed, source.mounting),
         assumed=source.assumed,
         no_images=source.no_images,
         files=tuple(source.files),
@@ -341,7 +345,7 @@ def _truth(source: Source, camera: Camera) -> Floats | None:
         return None
     straight = rotation(replace(source.mounting, yaw_rad=0.0, roll_rad=0.0)).T @ rotation(source.mounting)
     result = np.full((len(source.times_s), 2), np.nan)
-    result[1 : 1 + len(source.directions_m)] = camera_motion.expansion(camera, source.directions_m @ straight.T)
+    result[1 : 1 + len(source.directions_m)] = paths.expansion(camera, source.directions_m @ straight.T)
     return result
 
 

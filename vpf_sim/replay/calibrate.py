@@ -12,10 +12,10 @@ import numpy as np
 from vpf_sim.perception.egomotion import focus_of_expansion as expansion
 from vpf_sim.perception.egomotion.flow import FlowTracker, grey
 from vpf_sim.planning import variant
-from vpf_sim.replay import camera_fixed_points, flow_derotation, road_speed, series
+from vpf_sim.replay import flow_derotation, road_speed, series
 from vpf_sim.replay.fixed_structure import FixedStructure
+from vpf_sim.replay.image_files import Frame
 from vpf_sim.replay.mounting_estimate import PRIOR_SD_RAD, Angle, angle, observed_angles
-from vpf_sim.replay.recording import Frame
 from vpf_sim.replay.rectify import Mounting
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image
@@ -135,7 +135,7 @@ def _observations(
         flow = replace(flow, gap_s=times_s[frame.index] - times_s[frame.index - steps])  # true times of uneven frames
         moves = _moves(flow, camera, fixed)
         if moves:
-            flow = camera_fixed_points.without(flow, flow.on_glass)
+            flow = flow.select(np.flatnonzero(~flow.on_glass))
         known = np.isfinite(recorded[frame.index])
         yield _Observation(frame.index, flow, float(speed[frame.index]) if known else np.inf, rate, moves)
         straight += abs(rate) < STRAIGHT_RADPS
@@ -154,9 +154,9 @@ def _scene_flow(tracker: FlowTracker, image: Image, along_m: float, fixed: Fixed
 
 def _moves(flow: Flow, camera: Camera, fixed: FixedStructure | None) -> bool | None:
     """Whether the car moves; None where a scene that stands looks the same as what is fixed to the camera."""
-    if camera_fixed_points.moves(flow, camera):
+    if flow_derotation.moves(flow, camera):
         return True
-    is_visible = fixed is not None and fixed.leaves_scene and len(flow) >= camera_fixed_points.LEAST_POINTS
+    is_visible = fixed is not None and fixed.leaves_scene and len(flow) >= flow_derotation.LEAST_POINTS
     return False if is_visible else None
 
 

@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 
 from vpf_sim.geometry import wrap_angles
-from vpf_sim.replay import derived, gps
+from vpf_sim.replay import derived, paths
 from vpf_sim.types import Bools, Floats
 
 WINDOW_S = 1.0  # window for speed and course from positions
@@ -30,7 +30,7 @@ def contradictions(
     if poses is not None:
         velocity = np.stack([derived.slope(times_s, part, WINDOW_S) for part in poses[:, :2].T], axis=1)
         ground_speed = np.hypot(velocity[:, 0], velocity[:, 1])
-        course = gps.course(times_s, poses[:, :2])
+        course = paths.course(times_s, poses[:, :2])
         if "speed_mps" in recorded:
             yield from _speeds(times_s, np.abs(speed), ground_speed)
         if "heading" in recorded:

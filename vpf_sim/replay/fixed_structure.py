@@ -5,14 +5,14 @@ The scene changes from frame to frame while the car moves; brightness gradients 
 lane, so only corners count.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
 from vpf_sim.perception.egomotion.flow import grey
-from vpf_sim.replay.recording import Frame
+from vpf_sim.replay.image_files import Frame
 from vpf_sim.types import Bools, Floats, Image
 
 LONGEST_S, APART_S, MOST_FRAMES = 60.0, 0.15, 30  # of the sampled part, between samples, and samples
@@ -22,6 +22,8 @@ LEAST_LEVELS, COHERENT = 3.0, 0.7  # grey levels a pixel; size of the mean gradi
 WINDOW_PX, CORNER_LEVELS, CORNER_RATIO = 11, 1.0, 0.1  # of the structure tensor of what stays
 MARGIN_PX, FILL_PX = 2, 31
 MOST_SHARE = 0.6  # of the road's part of the image, above which it may be a scene that stands still
+MIDDLE = 0.19, 0.81, 0.17, 0.75  # left, right, top, bottom: where a lead vehicle or the far road may stay in place, too
+LEAST_ASIDE = 0.002  # of the image
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +36,23 @@ class FixedStructure:
     def leaves_scene(self) -> bool:
         """Whether enough of the lower half of the image shows the scene."""
         return bool(self.mask[len(self.mask) // 2 :].mean() < MOST_SHARE)
+
+    @property
+    def aside(self) -> Bools:
+        """(H, W) the mask without the middle of the image."""
+        (height, width), (left, right, top, bottom) = self.mask.shape, MIDDLE
+        aside = self.mask.copy()
+        aside[round(top * height) : round(bottom * height), round(left * width) : round(right * width)] = False
+        return aside
+
+    @property
+    def is_visible(self) -> bool:
+        """Whether a person would see it in the image."""
+        return bool(self.aside.mean() > LEAST_ASIDE)
+
+    def rectified(self, rectify_image: Callable[[Image], Image]) -> "FixedStructure":
+        """The same in images that this function rectifies."""
+        return FixedStructure(rectify_image(self.hidden) > 127)
 
     def scene(self, points_px: Floats) -> Bools:
         """(N,) which points (N, 2) are not on what is fixed."""

@@ -18,6 +18,11 @@ from vpf_sim.types import Camera, Expansion, Floats, Flow, Image
 
 PASSES = 3
 PROBE_RAD = 1e-3  # small rotation for the derivative of the flow
+STILL_PXPS = 3.0  # below this a point stands
+CLEARLY_PXPS = 10.0  # above this a point clearly moves
+MOVING_SHARE = 0.5  # of moving points, above which the car moves
+LEAST_POINTS, LEAST_ON_A_SIDE = 12, 3  # least expanding points, where fewer points move
+OUTWARD, OUTWARD_SHARE = 0.7, 0.7  # least cosine of flow and outward direction; least share of such points
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +90,31 @@ def turning(flow: Flow, rate_radps: float) -> Flow:
     past = flow.past_pose.copy()
     past[:, 2] = flow.pose[2] - rate_radps * flow.gap_s
     return replace(flow, past_pose=past)
+
+
+def moves(flow: Flow, camera: Camera) -> bool:
+    """Whether the car moves: most points do, or some expand on both sides of the direction of travel.
+
+    The second rule serves where most points are camera-fixed. Traffic past a standing car moves one way only.
+    """
+    if not len(flow):
+        return False
+    length = np.hypot(*flow.displacement_px.T)
+    gap = np.maximum(flow.gap_s, 1e-9)
+    if np.mean(length > STILL_PXPS * gap) > MOVING_SHARE:
+        return True
+    return _expands(flow.select(np.flatnonzero(length >= CLEARLY_PXPS * gap)), camera)
+
+
+def _expands(flow: Flow, camera: Camera) -> bool:
+    """Whether the points expand from straight ahead, with the rotation removed."""
+    if len(flow) < LEAST_POINTS:
+        return False
+    left = expansion.derotate(turning(flow, yaw_rate(flow, camera)), camera)
+    away = flow.points_px - straight_ahead_px(camera)
+    outward = np.sum(left * away, axis=1) > OUTWARD * np.hypot(*left.T) * np.hypot(*away.T)
+    sides = [int(np.count_nonzero(outward & side)) for side in (away[:, 0] < 0.0, away[:, 0] > 0.0)]
+    return bool(np.mean(outward) > OUTWARD_SHARE and min(sides) >= LEAST_ON_A_SIDE)
 
 
 def _weighted_median(values: Floats, weights: Floats) -> float:

@@ -84,7 +84,8 @@ def write(table: FrameTable, path: Path) -> None:
 
 def read(path: Path) -> FrameTable:
     """The stored table; InputError where there is none of this version."""
-    return FrameTable(parquet.read(path, FrameRow._fields, "the frames of a replayed drive", "frame"))
+    later = FrameRow._field_defaults.keys()  # columns that tables of earlier versions may lack
+    return FrameTable(parquet.read(path, FrameRow._fields, "the frames of a replayed drive", "frame", later))
 
 
 FRAMES, VIDEOS = "frames", "videos"

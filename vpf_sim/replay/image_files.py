@@ -5,6 +5,7 @@ import re
 import struct
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay.recording import Frame
 from vpf_sim.types import Image
 
 SUFFIXES = (".png", ".jpg", ".jpeg")
@@ -25,6 +25,16 @@ PNG_DEPTH, DEEP = 24, b"\x10"  # position of the bit depth in a PNG; 16 bits
 DEPTHS = (8, 10, 12, 14, 16)  # bits that cameras use of 16
 SAMPLED = 5  # images per drive, for the bit depth
 MOST_MISSING = 2  # times as many numbers as images: above this they do not count images
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """Image number `index` of a recording, or the reason for a gap."""
+
+    index: int
+    image: Image | None  # (H, W, 3) RGB
+    fault: str = ""  # one line; empty where there is an image
+    time_s: float | None = None  # when the image was taken; None: at its frame time
 
 
 def listed(folder: Path) -> list[Path]:

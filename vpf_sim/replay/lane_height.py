@@ -14,7 +14,7 @@ from vpf_sim.perception.road.birds_eye import BirdsEye, ridge
 from vpf_sim.perception.road.markings import RidgeMap, comb, noise_threshold
 from vpf_sim.perception.road.road_settings import RoadEdgeConfig
 from vpf_sim.replay.fixed_structure import FixedStructure
-from vpf_sim.replay.recording import Frame
+from vpf_sim.replay.image_files import Frame
 from vpf_sim.types import Camera, Floats, Image
 
 HEIGHTS_M = 0.9 * 1.04 ** np.arange(24)  # up to 2.2

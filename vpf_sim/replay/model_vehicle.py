@@ -1,12 +1,14 @@
-"""The model vehicle that a driver steers in open loop: a kinematic bicycle.
+"""The model vehicle that a driver steers in open loop, a kinematic bicycle; and the segments of its drive.
 
 Nobody carries out the driver's commands on a recording, so its steering integrator would reach its limit. As in the
 paper ("the initial speed for the vehicle model is set according to the information provided by the dataset"), a model
 carries them out. It starts each segment at the recorded position and speed and stays abreast of the camera: its
-lateral motion follows its steering over the recorded distance, its speed is its own.
+lateral motion follows its steering over the recorded distance, its speed is its own. As in the paper, the goal is the
+last pose of the segment, and the speed to keep is the recorded one at its start.
 """
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import atan, ceil, cos, sin, tan
 
 import numpy as np
@@ -14,6 +16,7 @@ import numpy as np
 from vpf_sim.controllers.gtsmc import Gains, Gtsmc
 from vpf_sim.driver_interface import Command, Observation
 from vpf_sim.geometry import wrap_angle
+from vpf_sim.replay.recording import Recording
 from vpf_sim.types import Floats, Reference, VehicleModel
 
 LEAST_RATE_HZ = 60.0  # of the controller, its design rate; cameras may be slower
@@ -21,6 +24,11 @@ MOST_OFFSET_M, MOST_HEADING_ERROR_RAD = (
     3.5,
     0.35,
 )  # from the recorded path; beyond it the image no longer fits
+LONGEST_S = 20.0
+AHEAD_M = 100.0  # to the goal on the current course, without poses
+BEYOND_M = 40.0  # of route past the last pose
+GOAL_POSE = "the last pose of each segment"
+GOAL_AHEAD = f"{AHEAD_M:g} m ahead on the course at the start of each segment"
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,3 +111,58 @@ def _later(reference: Reference, seconds: float) -> Reference:
     if rate is None:
         return reference
     return Reference(wrap_angle(reference.heading_rad + rate * seconds), reference.speed_mps, rate)
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """The frames `first` <= k < `stop`."""
+
+    first: int
+    stop: int
+    goal_m: tuple[float, float]
+    speed_mps: float
+
+
+def segments(recording: Recording) -> list[Segment]:
+    """Equal parts of at most LONGEST_S; a part also ends where an obstacle label changes."""
+    labels = recording.obstacle
+    same = (labels[1:] == labels[:-1]) | (np.isnan(labels[1:]) & np.isnan(labels[:-1]))
+    changes = [0, *(np.flatnonzero(~same) + 1).tolist(), len(recording)]
+    found = []
+    for first, stop in pairwise(changes):
+        duration = recording.times_s[stop - 1] - recording.times_s[first]
+        count = max(1, int(np.ceil(duration / LONGEST_S)))
+        found += [(int(part[0]), int(part[-1]) + 1) for part in np.array_split(np.arange(first, stop), count)]
+    return [Segment(first, stop, _goal(recording, first, stop), _speed(recording, first)) for first, stop in found]
+
+
+def has_poses(recording: Recording) -> bool:
+    """Whether the poses are recorded or derived."""
+    return recording.origins["poses"].is_known
+
+
+def goal_text(recording: Recording) -> str:
+    """What the goals are, for the table."""
+    return GOAL_POSE if has_poses(recording) else GOAL_AHEAD
+
+
+def route(poses: Floats) -> Floats:
+    """(M, 2) m, points 1 m apart along the driven path and straight on."""
+    heading = poses[-1, 2]
+    beyond = poses[-1, :2] + BEYOND_M * np.array([np.cos(heading), np.sin(heading)])
+    points = np.vstack([poses[:, :2], beyond])
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    stations = np.arange(0.0, along[-1], 1.0)
+    return np.stack([np.interp(stations, along, points[:, i]) for i in range(2)], axis=1)
+
+
+def _goal(recording: Recording, first: int, stop: int) -> tuple[float, float]:
+    x, y, yaw = (float(value) for value in recording.poses[first])
+    if has_poses(recording):
+        return float(recording.poses[stop - 1, 0]), float(recording.poses[stop - 1, 1])
+    return x + AHEAD_M * cos(yaw), y + AHEAD_M * sin(yaw)
+
+
+def _speed(recording: Recording, first: int) -> float:
+    """m/s; 0 for a car that rolls back."""
+    return max(float(recording.speed_mps[first]), 0.0)

@@ -33,6 +33,11 @@ class Angle:
         return IN_95_PERCENT * self.sd_rad
 
     @property
+    def interval_deg(self) -> tuple[float, float]:
+        low, high = np.degrees([self.rad - self.half_width_rad, self.rad + self.half_width_rad])
+        return float(low), float(high)
+
+    @property
     def is_used(self) -> bool:
         """Whether it is certain enough to rotate the image by it; speed and scale do not matter for an angle."""
         return self.half_width_rad <= WIDEST_RAD and self.seconds >= LEAST_S

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field, replace
 from math import nan
 from pathlib import Path
 from time import perf_counter, thread_time
-from typing import Any
 
 import numpy as np
 
@@ -17,24 +16,17 @@ from vpf_sim.geometry import distance_m
 from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.egomotion.focus_of_expansion import LEAST_CONFIDENCE
 from vpf_sim.planning import variant
-from vpf_sim.replay import (
-    camera_fixed_points,
-    drive_record,
-    fixed_structure,
-    frame_table,
-    road_speed,
-    scores,
-)
+from vpf_sim.replay import drive_record, frame_table, road_speed, scores
 from vpf_sim.replay.drive_record import Accumulated
 from vpf_sim.replay.drive_video import DriveVideo
 from vpf_sim.replay.fixed_structure import FixedStructure
 from vpf_sim.replay.flow_derotation import EgoMotion, FlowDerotation
 from vpf_sim.replay.frame_table import FrameRow, FrameTable, table_path, video_path
-from vpf_sim.replay.model_vehicle import Interval
+from vpf_sim.replay.model_vehicle import Interval, Segment, route, segments
 from vpf_sim.replay.obstacles_ahead import LeadVehicle, has_obstacle_in_corridor
 from vpf_sim.replay.open_loop_driver import Decision, DriverError, OpenLoopDriver, at_frame, open_loop_driver
 from vpf_sim.replay.recording import Recording
-from vpf_sim.replay.segments import Segment, route, segments
+from vpf_sim.replay.records import DriveRecord, Timing
 from vpf_sim.types import Camera, Image, VehicleModel
 
 OWN_VARIANT = "robust"  # its flow is used without recorded rotation
@@ -42,7 +34,7 @@ LEAST_SPEED_MPS = 2.0  # above this the flow must show a direction
 NO_IMAGE = np.zeros((0, 0, 3), np.uint8)
 
 Progress = Callable[[int, int], None]
-Store = Callable[[dict[str, Any], dict[str, Any]], None]
+Store = Callable[[DriveRecord, Timing], None]
 
 
 @dataclass(slots=True)
@@ -53,12 +45,11 @@ class Clock:
     reading_ms: list[float] = field(default_factory=list)
     began_s: float = field(default_factory=perf_counter)
 
-    def entry(self, recording: Recording) -> dict[str, Any]:
-        """The drive's line of timing.jsonl; real_time is recording time over computing time."""
+    def timing(self, recording: Recording) -> Timing:
         period_ms = 1e3 / recording.rate_hz
         driver, reading = (float(np.mean(times)) if times else nan for times in (self.driver_ms, self.reading_ms))
         worst = float(np.percentile(self.driver_ms, 95.0)) if self.driver_ms else nan
-        entry = {
+        values = {
             "driver_ms": driver,
             "driver_p95_ms": worst,
             "reading_ms": reading,
@@ -66,7 +57,7 @@ class Clock:
             "real_time": period_ms / (driver + reading),
             "wall_s": perf_counter() - self.began_s,
         }
-        return {"name": recording.name, **{key: scores.rounded(value) for key, value in entry.items()}}
+        return Timing(name=recording.name, **{key: scores.rounded(value) for key, value in values.items()})
 
 
 def run(
@@ -76,7 +67,7 @@ def run(
     progress: Progress = lambda *_: None,
     with_video: bool = True,
     store: Store = lambda *_: None,
-) -> tuple[dict[str, Any], dict[str, Any]]:
+) -> tuple[DriveRecord, Timing]:
     """Drive along a recording and return the drive's record and its timing.
 
     Writes frames/NAME.parquet and videos/NAME.mp4 into `out`. `store` gets record and timing before the video is
@@ -84,7 +75,7 @@ def run(
     stored and checked. If the driver fails, the record has the frames before and the error.
     """
     driver = drivers.create(driver_name)
-    fixed = None if recording.no_images else fixed_structure.find(recording.frames(), recording.times_s)
+    fixed = recording.fixed_to_camera()
     replayed = open_loop_driver(driver, _setup(recording, driver), fixed)
     clock = Clock()
     with ExitStack() as stack:
@@ -94,7 +85,7 @@ def run(
                 DriveVideo(video_path(out, recording.name), recording.camera, recording.rate_hz, _human(recording))
             )
         can_drive = not recording.no_images or not drivers.uses_images(driver)
-        accumulated = Accumulated(camera_fixed_points.CameraFixedPoints(recording.camera))
+        accumulated = Accumulated()
         try:
             for row in _rows(recording, replayed if can_drive else None, fixed, video, clock, accumulated, progress):
                 accumulated.rows.append(row)
@@ -103,8 +94,8 @@ def run(
         table = FrameTable.of(accumulated.rows)
         table = table.replaced("flow_speed_mps", road_speed.speed(table.time_s, accumulated.speed_votes))
         frame_table.write(table, table_path(out, recording.name))
-        record = drive_record.of(recording, driver_name, replayed, table, accumulated)
-        timing = clock.entry(recording)
+        record = drive_record.of(recording, driver_name, replayed, table, accumulated, fixed)
+        timing = clock.timing(recording)
         store(record, timing)
     return record, timing
 
@@ -150,8 +141,6 @@ def _rows(
                 row = row._replace(ttc_s=lead.ttc_s(grey_image, row.lead_gap_m))
                 motion = ego.update(grey_image, moved_m)
                 accumulated.speed_votes.append((row.time_s, motion.speed_votes))
-                if row.speed_mps > LEAST_SPEED_MPS:
-                    accumulated.fixed_points.add(motion.flow)
                 row, moved_m = row._replace(**_ego_columns(motion)), 0.0
         row = row._replace(throttle=last.command.throttle, steering=last.command.steering)
         if video is not None:

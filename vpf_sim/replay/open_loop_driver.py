@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -14,21 +14,25 @@ from vpf_sim.drivers import VisionDriver
 from vpf_sim.drivers.learned.driver import OnnxDriver
 from vpf_sim.drivers.perceiver import Perceiver
 from vpf_sim.errors import InputError
+from vpf_sim.perception.road.road_settings import RoadEdgeConfig
 from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.planning.paper.planner import PaperPlan
 from vpf_sim.planning.planner import create_planner
 from vpf_sim.planning.variant import Variant
 from vpf_sim.replay.fixed_structure import FixedStructure
-from vpf_sim.replay.lane_support import LaneSupport
-from vpf_sim.replay.model_vehicle import Interval, ModelVehicle
-from vpf_sim.replay.present_lane import is_found, obstacles_in_vehicle_frame, present_lane, road_in_vehicle_frame
-from vpf_sim.replay.segments import Segment
+from vpf_sim.replay.model_vehicle import Interval, ModelVehicle, Segment
+from vpf_sim.replay.present_lane import (
+    LaneSupport,
+    is_found,
+    obstacles_in_vehicle_frame,
+    present_lane,
+    road_in_vehicle_frame,
+)
+from vpf_sim.replay.records import Fault
 from vpf_sim.types import Force, Perception, Plan, Reference, RoadEdges
 
 MODEL = "a model vehicle carries out the commands, from the recorded position and speed at the start of each segment"
 RECORDED = "evaluated at each recorded state"
-# For unknown roads: ramps have lanes of 4.5 to 6 m, and a drive leads from one road to the next.
-ANY_ROAD: dict[str, Any] = {"widest_lane_m": 6.5, "unlikely_per_m": 0.2, "keeps_width": False}
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +43,11 @@ class Decision:
     plan: Plan | None = None  # in the axes of the recorded car, for the overlay
     road_found: bool | None = None  # False: course and speed are held, not scored
     is_held: bool = False  # the last command, since the flow is unreliable
+
+
+def any_road(config: RoadEdgeConfig) -> RoadEdgeConfig:
+    """Settings for unknown roads: ramps have lanes of 4.5 to 6 m, and a drive leads from one road to the next."""
+    return replace(config, widest_lane_m=6.5, unlikely_per_m=0.2, keeps_width=False)
 
 
 class OpenLoopDriver(Protocol):
@@ -92,7 +101,7 @@ class ModelVehicleDriver:
         self._setup = setup
         self._support = LaneSupport(setup.camera, variant.road_edges, fixed)
         self._variant = variant
-        self._perceiver = Perceiver(setup, replace(variant, road_edges=replace(variant.road_edges, **ANY_ROAD)))
+        self._perceiver = Perceiver(setup, replace(variant, road_edges=any_road(variant.road_edges)))
         self._planner = create_planner(setup, variant)
         self._lane: RoadEdges | None = None
         self._model = ModelVehicle(gains, setup.vehicle, setup.rate_hz)
@@ -184,9 +193,9 @@ class DriverError(Exception):
         self.error = error
         super().__init__(f"frame {frame}, at {place(error)}: {what(error)}")
 
-    def entry(self) -> dict[str, Any]:
+    def fault(self) -> Fault:
         """The `error` of the drive's record."""
-        return {"frame": self.frame, "place": place(self.error), "what": what(self.error)}
+        return Fault(frame=self.frame, place=place(self.error), what=what(self.error))
 
 
 @contextmanager

@@ -10,8 +10,11 @@ from typing import Literal, Protocol
 
 import numpy as np
 
+from vpf_sim.replay import fixed_structure
+from vpf_sim.replay.fixed_structure import FixedStructure
+from vpf_sim.replay.image_files import Frame
 from vpf_sim.replay.mounting_estimate import Angle
-from vpf_sim.types import Bools, Camera, Floats, Image
+from vpf_sim.types import Bools, Camera, Floats
 
 Kind = Literal["recorded", "derived", "assumed", "absent"]
 Assumption = Literal["lens", "height", "height by lanes"]  # of the camera
@@ -47,16 +50,6 @@ ABSENT = Origin("absent")
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
-    """Image number `index` of a recording, or the reason for a gap."""
-
-    index: int
-    image: Image | None  # (H, W, 3) RGB
-    fault: str = ""  # one line; empty where there is an image
-    time_s: float | None = None  # when the image was taken; None: at its frame time
-
-
-@dataclass(frozen=True, slots=True)
 class Recording:
     """N frames and the signals at each, nan where unknown; `origins` has an entry for every signal.
 
@@ -82,6 +75,7 @@ class Recording:
     weather: str = ""  # as recorded; empty if not
     notes: tuple[str, ...] = ()  # gaps and assumptions, a line each
     mounting_found: Mapping[str, Angle] = field(default_factory=dict)  # estimated "pitch" and "yaw"
+    fixed: Callable[[], FixedStructure | None] | None = None  # what is fixed to the camera; None: to find in `frames`
     assumed: frozenset[Assumption] = frozenset()  # what is not known of the camera
     no_images: str = ""  # reason and remedy; `frames` raises it as an InputError
     files: tuple[Path | None, ...] = ()  # images and other files it is read from; some may be missing
@@ -103,6 +97,12 @@ class Recording:
         """(N,) frames where a signal is neither assumed nor bridged."""
         there = np.full(len(self), self.origins[name].is_known)
         return there & ~self.bridged[name] if name in self.bridged else there
+
+    def fixed_to_camera(self) -> FixedStructure | None:
+        """What is fixed to the camera in the frames; None if that cannot be known."""
+        if self.no_images:
+            return None
+        return self.fixed() if self.fixed else fixed_structure.find(self.frames(), self.times_s)
 
     @property
     def rate_hz(self) -> float:

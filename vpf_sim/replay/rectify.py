@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay.recording import Frame
+from vpf_sim.replay.image_files import Frame
 from vpf_sim.types import Camera, Floats, Image
 
 WIDEST_PX = 1300  # wider images are reduced, since tracking time grows with pixels
@@ -74,6 +74,16 @@ def reduced(lens: Lens, by: int) -> Lens:
     )
 
 
+def shrunk(image: Image, lens: Lens) -> Image:
+    """The image as a reduced lens shows it."""
+    by = image.shape[1] // lens.width_px
+    if by == 1:
+        return image
+    even = image[: lens.height_px * by, : lens.width_px * by]
+    size = (lens.width_px, lens.height_px)
+    return cv2.resize(even, size, interpolation=cv2.INTER_AREA).astype(np.uint8, copy=False)
+
+
 def rotation(mounting: Mounting) -> Floats:
     """(3, 3) from camera axes (x right, y down, z forward) to vehicle axes (right, down, forward)."""
     turns = (_about(1, mounting.yaw_rad), _about(0, -mounting.pitch_rad), _about(2, mounting.roll_rad))
@@ -100,15 +110,14 @@ def rectified(lens: Lens, mounting: Mounting) -> tuple[Camera, Callable[[Image],
     Radial distortion of two coefficients stays, since perception removes it from its points. Other distortion, and a
     camera that does not look straight ahead, need a remap of each frame, cropped to what was visible.
     """
-    by = reduction(lens.width_px)
-    lens = reduced(lens, by)
+    lens = reduced(lens, reduction(lens.width_px))
     if _needs_no_remap(lens, mounting):
         radial = (*lens.distortion, 0.0, 0.0)[:2]
-        return _camera(lens, mounting, radial), lambda image: _shrunk(image, by, lens)
+        return _camera(lens, mounting, radial), lambda image: shrunk(image, lens)
     straight = rotation(replace(mounting, yaw_rad=0.0, roll_rad=0.0)).T @ rotation(mounting)
     view = _view(lens, straight)
     maps = _remap_tables(lens, straight, view)
-    return _camera(view, mounting, (0.0, 0.0)), lambda image: _warped(_shrunk(image, by, lens), maps)
+    return _camera(view, mounting, (0.0, 0.0)), lambda image: _warped(shrunk(image, lens), maps)
 
 
 def rectified_frames(frames: Iterator[Frame], rectify_image: Callable[[Image], Image]) -> Iterator[Frame]:
@@ -180,14 +189,6 @@ def _remap_tables(lens: Lens, straight: Floats, view: Lens) -> tuple[Image, Imag
 
 def _warped(image: Image, maps: tuple[Image, Image]) -> Image:
     return cv2.remap(image, *maps, cv2.INTER_LINEAR).astype(np.uint8, copy=False)
-
-
-def _shrunk(image: Image, by: int, lens: Lens) -> Image:
-    if by == 1:
-        return image
-    even = image[: lens.height_px * by, : lens.width_px * by]
-    size = (lens.width_px, lens.height_px)
-    return cv2.resize(even, size, interpolation=cv2.INTER_AREA).astype(np.uint8, copy=False)
 
 
 def _about(axis: int, angle_rad: float) -> Floats:

@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay.recording import Frame
+from vpf_sim.replay.image_files import Frame
 from vpf_sim.reporting.video import require
 from vpf_sim.types import Floats, Image
 

@@ -1,7 +1,6 @@
 """Compare recorded drives with their rendered twins: same camera, rate, speed, traffic, and gap to the lead vehicle.
 
-python scripts/studies/twins/compare.py [--drives DIR] [--only NAME ...] [--seeds 0 1 2] [--perception]
-                                      [--driver NAME] [--out DIR] [--json FILE]
+python scripts/studies/twins/compare.py [--drives DIR] [--seeds 0 1 2] [--perception] [--driver NAME] [--out DIR]
 
 Prints frame statistics: a ratio (rendered / real) outside 1/2 .. 2 is marked with a star. With --perception a driver
 is replayed on recording and twin, in open loop, and its reports are measured on both (docs/twins.md). Values of the
@@ -10,7 +9,6 @@ and images side by side: real left, rendered right.
 """
 
 import argparse
-import json
 import os
 import tempfile
 from dataclasses import asdict
@@ -60,8 +58,8 @@ def compare(drive: Path, seeds: list[int], driver: str | None, out: Path) -> tup
 def replayed(recording: Recording, driver: str, out: Path) -> FrameTable:
     """Replay a driver on a recording and read its frames; InputError where the driver fails."""
     record, _ = open_loop.run(recording, driver, out, with_video=False)
-    if record["error"]:
-        raise InputError(f"{recording.name}: the driver '{driver}' failed: {record['error']}")
+    if record.error:
+        raise InputError(f"{recording.name}: the driver '{driver}' failed: {record.error.what}")
     return frame_table.read(table_path(out, recording.name))
 
 
@@ -93,41 +91,33 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     shared = os.environ.get("VPF_SIM_SHARED", "../shared")
     parser.add_argument("--drives", type=Path, default=Path(shared) / "drives", help="folder of the drives")
-    parser.add_argument("--only", nargs="*", choices=list(reference_streets.STREETS), help="drives; all by default")
     parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2], help="of the twins, each once")
     parser.add_argument("--perception", action="store_true", help="replay a driver on recording and twin")
     parser.add_argument("--driver", default="vpf", help="that is replayed; vpf by default")
     parser.add_argument("--out", type=Path, help="new folder for twins, images and the driver's frames")
-    parser.add_argument("--json", type=Path, help="also write the tables to this file")
     arguments = parser.parse_args()
     if arguments.out is not None and arguments.out.exists():
         parser.error(f"--out: expected a new folder, found {arguments.out}")
-    for name, values in (("--seeds", arguments.seeds), ("--only", arguments.only or [])):
-        if len(set(values)) < len(values):
-            parser.error(f"{name}: expected each once, got {' '.join(map(str, values))}")
+    if len(set(arguments.seeds)) < len(arguments.seeds):
+        parser.error(f"--seeds: expected each once, got {' '.join(map(str, arguments.seeds))}")
     limit_opencv()
     try:
         if arguments.perception:
             drivers.create(arguments.driver)
         with tempfile.TemporaryDirectory() as scratch:
-            found = compare_all(arguments, arguments.out or Path(scratch))
+            compare_all(arguments, arguments.out or Path(scratch))
     except InputError as error:
         parser.error(str(error))
-    if arguments.json:
-        arguments.json.write_text(json.dumps(found, indent=1) + "\n", "utf-8")
 
 
-def compare_all(arguments: argparse.Namespace, out: Path) -> dict[str, dict[str, Rows]]:
-    """Print the tables of all drives, and return their rows by drive."""
-    found: dict[str, dict[str, Rows]] = {}
-    for number, name in enumerate(arguments.only or reference_streets.STREETS):
+def compare_all(arguments: argparse.Namespace, out: Path) -> None:
+    """Print the tables of all drives."""
+    for number, name in enumerate(reference_streets.STREETS):
         driver = arguments.driver if arguments.perception else None
         frames, perception = compare(arguments.drives / name, arguments.seeds, driver, out / name)
         print(_text(frames, header=number == 0 or arguments.perception), flush=True)
         if perception:
             print(f"\n{_text(perception)}\n", flush=True)
-        found[name] = {"frames": frames, "perception": perception}
-    return found
 
 
 def _text(rows: Rows, header: bool = True) -> str:

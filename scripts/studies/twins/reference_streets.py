@@ -9,18 +9,6 @@ from vpf_sim.types import Camera
 HIGHWAY_MPS = 25.3  # a stripe and a gap, 12.19 m, in 12.05 frames of 1/25 s
 
 STREETS = {
-    # A street with cars parked on the right and a few on the left.
-    "kitti_vo_seq1": Street(
-        lanes=3,
-        lane=2,
-        weather="ClearNoon",
-        objects=(
-            *(street_object("car", s, 1, 0.4) for s in (16.0, 30.0, 37.0, 52.0, 66.0, 73.0, 88.0)),
-            *(street_object("car", s, 3, -0.4) for s in (24.0, 45.0, 58.0, 80.0)),
-            street_object("van", 44.0, 1, 0.4),
-            street_object("pedestrian", 28.0, 1, 1.2),
-        ),
-    ),
     # A queue before a traffic light: a lead car, a tanker on the right, a lorry on the left, the sun on the right.
     # The noise is that of its flattest bright surfaces.
     "kitti_raw_leadcar": Street(
@@ -71,20 +59,5 @@ STREETS = {
             street_object("car", 115.0, 1, speed_mps=HIGHWAY_MPS),
             street_object("truck", 160.0, 2, speed_mps=HIGHWAY_MPS),
         ),
-    ),
-    "radiate_fog": Street(
-        lanes=2,
-        lane=1,
-        weather="FoggyNoon",
-        blur_px=1.5,
-        noise_sd=0.5,
-        changes={
-            "precipitation": 30.0,
-            "precipitation_deposits": 30.0,
-            "wetness": 60.0,
-            "droplets": 40.0,
-            "cloudiness": 100.0,
-        },
-        objects=(street_object("car", 45.0, 2), street_object("car", 70.0, 2)),
     ),
 }

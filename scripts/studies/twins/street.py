@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from vpf_sim.envs.camera import Rig, Weather
-from vpf_sim.envs.camera import weather as weathers
+from vpf_sim.envs.camera import Rig
 from vpf_sim.gallery.poses import ScriptedDrive, TimedPath
 from vpf_sim.scenarios import Scenario
 from vpf_sim.scenarios.kinds import SIZES
@@ -29,7 +28,6 @@ class Street:
     lane: int  # of the camera, counted from the right
     weather: str
     objects: tuple[dict[str, Any], ...]
-    changes: dict[str, float] = field(default_factory=dict)  # to the weather's factors
     lane_width_m: float = 3.5
     lateral_m: float = 0.0  # of the camera from the lane's centre, + is right
     heading_deg: float = 0.0  # of the road, which decides where shadows fall
@@ -58,10 +56,6 @@ class Street:
                 "bodies": [{**street_object, "s_m": START_M + street_object["s_m"]} for street_object in self.objects],
             }
         )
-
-    def modified_weather(self) -> Weather:
-        """The weather with its changes."""
-        return weathers.load(self.weather).model_copy(update=self.changes)
 
     def drive(self, camera: Camera, rate_hz: float, speeds_mps: Floats, gaps_m: Floats | None = None) -> ScriptedDrive:
         """The drive with the speed (N,) at each frame, and the gaps (N,) from the camera to the lead vehicle.

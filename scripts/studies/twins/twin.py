@@ -9,6 +9,7 @@ import numpy as np
 import reference_streets
 from street import Street
 
+from vpf_sim.envs.camera import weather as weathers
 from vpf_sim.errors import InputError
 from vpf_sim.files import write_bytes, write_text
 from vpf_sim.gallery.poses import ScriptedDrive
@@ -41,7 +42,7 @@ def rendered(recording: Recording, seed: int, folder: Path) -> Recording:
     drive = street.drive(
         recording.camera, recording.rate_hz, recording.speed_mps, recording.lead_gap_m if known else None
     )
-    images = (shot.image for shot in drive.shots(street.modified_weather(), seed, len(recording)))
+    images = (shot.image for shot in drive.shots(weathers.load(street.weather), seed, len(recording)))
     write(folder, drive, images, recording, street)
     return replace(readers.read(folder), name=f"{recording.name}-twin-{seed}")
 

@@ -14,6 +14,7 @@ from vpf_sim.evaluation.sweeps import run_folder
 from vpf_sim.evaluation.sweeps.manifest import Manifest
 from vpf_sim.evaluation.sweeps.run_folder import MANIFEST, RunFolder, located
 from vpf_sim.replay import replay_folder
+from vpf_sim.replay.records import ReplayManifest
 from vpf_sim.replay.replay_folder import ReplayFolder
 
 ASKED: dict[str, Any] = {
@@ -31,8 +32,10 @@ def test_of_two_runs_that_begin_at_once_one_is_refused(
     kind: Any, module: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The other begins after this one found the folder empty, and before it locks it."""
-    lock, other = module.locked, {**ASKED, "plan": {"driver": "other"}, "drivers": {}, "recordings": {}}
-    first, second = (Manifest.model_validate(one) if kind is RunFolder else one for one in (ASKED, other))
+    manifest, lock = (Manifest if kind is RunFolder else ReplayManifest), module.locked
+    other = {**ASKED, "command": "replay", "plan": {"driver": "other", "drives": {}}, "drivers": {}, "recordings": {}}
+    first = manifest.model_validate({**other, "plan": {"driver": "one", "drives": {}}})
+    second = manifest.model_validate(other)
 
     def late(path: Path) -> Any:
         monkeypatch.setattr(module, "locked", lock)
@@ -42,7 +45,7 @@ def test_of_two_runs_that_begin_at_once_one_is_refused(
     monkeypatch.setattr(module, "locked", late)
     with pytest.raises(InputError, match="expected an empty or new"):
         kind(tmp_path / "run", first)
-    assert json.loads((tmp_path / "run" / MANIFEST).read_text("utf-8"))["plan"] == other["plan"]
+    assert json.loads((tmp_path / "run" / MANIFEST).read_text("utf-8"))["plan"]["driver"] == "other"
     kind(tmp_path / "run", second, resume=True).close()
 
 

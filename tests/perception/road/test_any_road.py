@@ -1,7 +1,5 @@
 """Roads whose lanes are wider than usual, as a recording may have them: ramps, drawn in closed form."""
 
-from dataclasses import replace
-
 import cv2
 import numpy as np
 import pytest
@@ -11,12 +9,12 @@ from road_picture import RoadPicture
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.perception.road.road_settings import RoadEdgeConfig
 from vpf_sim.replay import lane_height
-from vpf_sim.replay.open_loop_driver import ANY_ROAD
+from vpf_sim.replay.open_loop_driver import any_road
 from vpf_sim.replay.recording import Frame
 from vpf_sim.types import Camera, RoadEdges
 
 USUAL = ROBUST.road_edges
-ANY = replace(USUAL, **ANY_ROAD)
+ANY = any_road(USUAL)
 CAMERA = Camera(forward_m=0.0)
 LOOKS, RATE_HZ, SPEED_MPS = 6, 20.0, 10.0  # which lines are the edges is judged at the fifth look
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from vpf_sim.errors import InputError
 from vpf_sim.geometry import mounting_in_words
-from vpf_sim.replay import assemble, camera_motion, plausible, series, video_file
+from vpf_sim.replay import assemble, paths, plausible, series, video_file
 from vpf_sim.replay.recording import Origin, Recording
 from vpf_sim.replay.rectify import Lens, mounting_from_direction
 from vpf_sim.types import Floats
@@ -134,11 +134,11 @@ def _poses(source: assemble.Source, position_m: Floats, quaternion: Floats, velo
     pitch, yaw = np.degrees([source.mounting.pitch_rad, source.mounting.yaw_rad])
     angles = f"{mounting_in_words(pitch, yaw)}, by the poses"
     source.origins["camera"] = Origin("assumed", f"f = 910 px, centre and height 1.22 m of the EON; {angles}")
-    path = camera_motion.planar(poses)
+    path = paths.planar(poses)
     path[:, 2] -= source.mounting.yaw_rad
     source.put("poses", path, "global_pose")
     source.put("yaw_rate_radps", np.gradient(path[:, 2], source.times_s), "from global_pose", "derived")
-    source.directions_m = camera_motion.directions(poses)
+    source.directions_m = paths.directions(poses)
 
 
 def _matrices(quaternion: Floats) -> Floats:

@@ -10,8 +10,9 @@ import numpy as np
 from vpf_sim.errors import InputError
 from vpf_sim.replay import assemble, drive_file, image_files, video_file
 from vpf_sim.replay.drive_file import CameraKeys, DriveFile, SignalKeys
+from vpf_sim.replay.image_files import Frame
 from vpf_sim.replay.readers import general_signals
-from vpf_sim.replay.recording import Assumption, Frame, Origin, Recording
+from vpf_sim.replay.recording import Assumption, Origin, Recording
 from vpf_sim.replay.rectify import Lens, Mounting
 from vpf_sim.types import Floats
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import assemble, derived, gps, image_files, plausible, series
+from vpf_sim.replay import assemble, derived, image_files, paths, plausible, series
 from vpf_sim.replay.drive_file import SignalKeys, VehicleKeys
 from vpf_sim.types import Floats
 
@@ -194,7 +194,7 @@ def _poses(source: assemble.Source, signals: Signals) -> None:
         flat = plausible.reachable(signals.sampled_s, np.stack([x[0], y[0]], axis=1), where, source.notes)
         how = f"{signals.file.name} x_m, y_m"
         source.heading_recorded = yaw is not None
-        course = gps.course(signals.sampled_s, flat) if yaw is None else yaw[0]
+        course = paths.course(signals.sampled_s, flat) if yaw is None else yaw[0]
         path = np.column_stack([flat, course])
         how += "; course as heading" if yaw is None else ""
     else:
@@ -202,8 +202,8 @@ def _poses(source: assemble.Source, signals: Signals) -> None:
         if position[0] is None or position[1] is None:
             return
         where = signals.where("latitude_deg")
-        flat = gps.fixes(signals.sampled_s, position[0][0], position[1][0], where, source.notes)
-        path = gps.poses(flat, gps.course(signals.sampled_s, flat))
+        flat = paths.fixes(signals.sampled_s, position[0][0], position[1][0], where, source.notes)
+        path = paths.poses(flat, paths.course(signals.sampled_s, flat))
         source.heading_recorded = False
         how = f"{signals.file.name} latitude_deg, longitude_deg; course as heading"
     source.put("poses", derived.poses_at(source.times_s, signals.sampled_s, path), how)

@@ -1,7 +1,7 @@
 """Reader of a sequence of KITTI's odometry benchmark (Geiger, Lenz and Urtasun, CVPR 2012; readme of its kit).
 
 sequences/<n>/: image_0 (grey) or image_2 (colour), calib.txt, times.txt; poses/<n>.txt, or poses.txt beside the images.
-Poses are camera to world, x right, y down, z forward; `camera_motion` converts them to our axes. Images are rectified.
+Poses are camera to world, x right, y down, z forward; `paths` converts them to our axes. Images are rectified.
 """
 
 from pathlib import Path
@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import assemble, camera_motion, image_files, plausible, series
+from vpf_sim.replay import assemble, image_files, paths, plausible, series
 from vpf_sim.replay.plausible import Location
 from vpf_sim.replay.readers.kitti_raw import CAMERA_AHEAD_M, HEIGHT_M, WHEELBASE_M
 from vpf_sim.replay.recording import Origin, Recording
@@ -35,7 +35,7 @@ def read(folder: Path) -> Recording:
     poses_file = _poses_file(folder)
     camera_to_world = _poses(poses_file, len(files))
     times, times_origin = _times(folder / "times.txt", files)
-    directions = camera_motion.directions(camera_to_world)
+    directions = paths.directions(camera_to_world)
     source = assemble.Source(
         name=folder.resolve().name,
         layout=LAYOUT,
@@ -43,7 +43,7 @@ def read(folder: Path) -> Recording:
         frames=lambda: image_files.frames(files, size),
         files=files,
         lens=lens,
-        mounting=Mounting(camera_motion.mounted_pitch(directions), height_m=HEIGHT_M),
+        mounting=Mounting(paths.mounted_pitch(directions), height_m=HEIGHT_M),
         wheelbase_m=WHEELBASE_M,
         camera_ahead_m=CAMERA_AHEAD_M,
         directions_m=directions,
@@ -52,7 +52,7 @@ def read(folder: Path) -> Recording:
         "recorded", "calib.txt; pitch by the poses; 1.65 m above the road, as on KITTI's car"
     )
     source.origins["times_s"] = times_origin
-    source.put("poses", camera_motion.planar(camera_motion.extended(camera_to_world, len(files))), poses_file.name)
+    source.put("poses", paths.planar(paths.extended(camera_to_world, len(files))), poses_file.name)
     if len(camera_to_world) < len(files):
         source.notes.append(f"{poses_file.name}: the last image has no pose: the motion continues")
     return assemble.recording(source)

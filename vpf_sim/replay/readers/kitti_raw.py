@@ -14,9 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import assemble, camera_motion, derived, image_files, series
+from vpf_sim.replay import assemble, derived, image_files, paths, series
 from vpf_sim.replay.plausible import Location
-from vpf_sim.replay.readers import oxts
 from vpf_sim.replay.recording import Origin, Recording
 from vpf_sim.replay.rectify import Lens, mounting_from_rotation
 from vpf_sim.types import Floats
@@ -31,6 +30,10 @@ WHEELBASE_M = 2.71  # Volkswagen Passat B6
 CAMERA_AHEAD_M = 1.68  # of the rear axle
 FORWARD_LEFT_UP = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])  # to right, down, forward
 ACROSS_M, REACH_M = 1.8, 40.0  # corridor in which an object is in the way
+FIELDS = 30
+RECEPTION = 5  # last fields, about reception; some drives lack them
+ATTITUDE = [3, 4, 5]
+LATITUDE, LONGITUDE, ALTITUDE, ROLL, PITCH, YAW, FORWARD_MPS, FORWARD_MPS2, UP_RADPS = 0, 1, 2, 3, 4, 5, 8, 14, 22
 
 
 def recognises(folder: Path) -> bool:
@@ -159,23 +162,23 @@ def _motion(source: assemble.Source, folder: Path, clock_s: Floats, camera_pose:
     if not folder.is_dir():
         source.notes.append("no oxts/: no motion was recorded")
         return
-    rows = oxts.read(folder)
+    rows = _records(folder)
     sampled = _stamps(folder / "timestamps.txt", len(rows))
-    speed = source.checked("speed_mps", rows[:, oxts.FORWARD_MPS], "oxts vf")
-    rate = source.checked("yaw_rate_radps", -rows[:, oxts.UP_RADPS], "oxts wu")
-    acceleration = source.checked("acceleration_mps2", rows[:, oxts.FORWARD_MPS2], "oxts af")
+    speed = source.checked("speed_mps", rows[:, FORWARD_MPS], "oxts vf")
+    rate = source.checked("yaw_rate_radps", -rows[:, UP_RADPS], "oxts wu")
+    acceleration = source.checked("acceleration_mps2", rows[:, FORWARD_MPS2], "oxts af")
     source.put("speed_mps", series.at(clock_s, sampled, speed), "oxts vf")
     source.put("yaw_rate_radps", series.at(clock_s, sampled, rate), "oxts wu, sign inverted")
     if np.isfinite(acceleration).any():
         source.acceleration_mps2 = series.filled(clock_s, series.at(clock_s, sampled, acceleration))[0]
-    rows[:, oxts.ATTITUDE] = np.stack([source.checked("yaw_rad", rows[:, k], "oxts") for k in oxts.ATTITUDE], axis=1)
-    rows[:, oxts.ALTITUDE] = source.checked("altitude_m", rows[:, oxts.ALTITUDE], "oxts alt")
-    flat = oxts.fixes(rows, sampled, folder, source.notes)
-    path = oxts.path(rows, flat, np.zeros(3) if camera_pose is None else camera_pose.position_m)
+    rows[:, ATTITUDE] = np.stack([source.checked("yaw_rad", rows[:, k], "oxts") for k in ATTITUDE], axis=1)
+    rows[:, ALTITUDE] = source.checked("altitude_m", rows[:, ALTITUDE], "oxts alt")
+    flat = _fixes(rows, sampled, folder, source.notes)
+    path = _path(rows, flat, np.zeros(3) if camera_pose is None else camera_pose.position_m)
     source.put("poses", derived.poses_at(clock_s, sampled, path), "oxts lat, lon, yaw")
     if camera_pose is not None and len(rows) == len(clock_s):  # one record for each image
-        poses = oxts.camera_to_world(rows, flat, camera_pose.position_m, camera_pose.unit_to_camera)
-        source.directions_m = camera_motion.directions(poses)
+        poses = _camera_to_world(rows, flat, camera_pose.position_m, camera_pose.unit_to_camera)
+        source.directions_m = paths.directions(poses)
 
 
 def _labels(source: assemble.Source, file: Path) -> None:
@@ -197,3 +200,56 @@ def _labels(source: assemble.Source, file: Path) -> None:
     where = f"tracklet_labels.xml, within {ACROSS_M:g} m of straight ahead and {REACH_M:g} m"
     source.put("obstacle", np.isfinite(gap).astype(float), where)
     source.put("lead_gap_m", np.where(np.isfinite(gap), gap, np.nan), where)
+
+
+def _records(folder: Path) -> Floats:
+    """(M, 25) the records of oxts/data/ in their order."""
+    files = sorted((folder / "data").glob("*.txt"))
+    if not files:
+        raise InputError(f"{folder}: expected records in data/*.txt, found none")
+    return np.array([_row(file) for file in files])
+
+
+def _row(file: Path) -> list[float]:
+    try:
+        values = [float(word) for word in series.lines(file, "a line of oxts")[0].split()]
+    except (ValueError, IndexError):
+        raise InputError(f"{file}: expected a line of {FIELDS} numbers, got other text") from None
+    if len(values) < FIELDS - RECEPTION:
+        raise InputError(f"{file}: expected {FIELDS} numbers, got {len(values)}")
+    return values[: FIELDS - RECEPTION]
+
+
+def _fixes(rows: Floats, times_s: Floats, folder: Path, notes: list[str]) -> Floats:
+    """(M, 2) m north and east of the first fix; nan without a fix."""
+    return paths.fixes(times_s, rows[:, LATITUDE], rows[:, LONGITUDE], Location(str(folder), "lat, lon"), notes)
+
+
+def _path(rows: Floats, flat: Floats, place: Floats) -> Floats:
+    """(M, 3) poses of a position (3,) on the unit, which is at `flat` (M, 2)."""
+    result = paths.poses(flat, 0.5 * np.pi - rows[:, YAW])
+    cosine, sine, ahead, right = np.cos(result[:, 2]), np.sin(result[:, 2]), place[0], -place[1]
+    result[:, 0] += cosine * ahead - sine * right
+    result[:, 1] += sine * ahead + cosine * right
+    return result
+
+
+def _camera_to_world(rows: Floats, flat: Floats, place: Floats, unit_to_camera: Floats) -> Floats:
+    """(M, 3, 4) camera poses in a world of east, north, up; the camera is at `place` (3,) on the unit.
+
+    The unit's attitude is yaw about up, then pitch about left, then roll about forward, as in the kit.
+    """
+    unit = _about(2, rows[:, YAW]) @ _about(1, rows[:, PITCH]) @ _about(0, rows[:, ROLL])
+    position = np.column_stack([flat[:, 1], flat[:, 0], rows[:, ALTITUDE] - rows[0, ALTITUDE]]) + unit @ place
+    return np.concatenate([unit @ unit_to_camera.T, position[:, :, None]], axis=2)
+
+
+def _about(axis: int, angles_rad: Floats) -> Floats:
+    """(M, 3, 3) right-handed rotations."""
+    turns = np.zeros((len(angles_rad), 3, 3))
+    second, third = (axis + 1) % 3, (axis + 2) % 3
+    turns[:, axis, axis] = 1.0
+    turns[:, second, second] = turns[:, third, third] = np.cos(angles_rad)
+    turns[:, third, second] = np.sin(angles_rad)
+    turns[:, second, third] = -np.sin(angles_rad)
+    return turns

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import assemble, derived, gps, image_files, series
+from vpf_sim.replay import assemble, derived, image_files, paths, series
 from vpf_sim.replay.plausible import Location
 from vpf_sim.replay.recording import Origin, Recording
 from vpf_sim.replay.rectify import Lens
@@ -195,8 +195,8 @@ def _motion(source: assemble.Source, folder: Path, clock_s: Floats) -> None:
     rate = source.checked("yaw_rate_radps", rows[:, 4], "GPS_IMU_Twist")
     source.put("speed_mps", series.at(clock_s, sampled, speed), "GPS_IMU_Twist velocity")
     source.put("yaw_rate_radps", series.at(clock_s, sampled, rate), "GPS_IMU_Twist angular velocity about down")
-    flat = gps.fixes(sampled, rows[:, 0], rows[:, 1], Location(str(folder), "GPS_IMU_Twist"), source.notes)
-    path = gps.poses(flat, gps.course(sampled, flat))
+    flat = paths.fixes(sampled, rows[:, 0], rows[:, 1], Location(str(folder), "GPS_IMU_Twist"), source.notes)
+    path = paths.poses(flat, paths.course(sampled, flat))
     source.put("poses", derived.poses_at(clock_s, sampled, path), "GPS_IMU_Twist positions")
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from vpf_sim.errors import InputError
-from vpf_sim.replay import assemble, gps, image_files, series
+from vpf_sim.replay import assemble, image_files, paths, series
 from vpf_sim.replay.recording import Origin, Recording
 from vpf_sim.types import Floats
 
@@ -82,8 +82,8 @@ def _poses(source: assemble.Source, table: series.Table) -> None:
         return
     north = table.signal("lat", "latitude_deg", source.notes)
     east = table.signal(longitude, "longitude_deg", source.notes)
-    flat = gps.fixes(source.times_s, north, east, table.where("lat"), source.notes)
-    path = gps.poses(flat, gps.course(source.times_s, flat))
+    flat = paths.fixes(source.times_s, north, east, table.where("lat"), source.notes)
+    path = paths.poses(flat, paths.course(source.times_s, flat))
     source.put("poses", path, f"{table.file.name} lat, {longitude}; course as heading")
     source.heading_recorded = False
 
