@@ -11,6 +11,7 @@ from vpf_sim.perception.egomotion.egomotion_settings import ExpansionConfig, Foc
 from vpf_sim.perception.obstacles.moving.moving_obstacle_settings import MovingObstacleConfig
 from vpf_sim.perception.obstacles.static_obstacle_settings import StaticObstacleConfig
 from vpf_sim.planning.variant import load
+from vpf_sim.scene.scene_settings import SceneConfig
 
 Config = TypeVar("Config")
 ROBUST, FULL_FRAME = load("robust"), load("full-frame")
@@ -34,6 +35,10 @@ def expansion(method: str) -> ExpansionConfig:
 
 def static_obstacles() -> StaticObstacleConfig:
     return unwrap(ROBUST.static_obstacles)
+
+
+def scene() -> SceneConfig:
+    return unwrap(load("scene").scene)
 
 
 def moving_obstacles() -> MovingObstacleConfig:

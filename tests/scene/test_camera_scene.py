@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 from typing import Any
 
+import driver_settings
 import numpy as np
 import pytest
 from made_scene import road
@@ -10,8 +11,8 @@ from made_scene import road
 from vpf_sim.driver_interface import Observation
 from vpf_sim.perception.obstacles.crossing import Crossers
 from vpf_sim.perception.obstacles.prediction import none
-from vpf_sim.scene.camera import CameraScene, road_of
-from vpf_sim.types import Obstacles, RoadEdges
+from vpf_sim.scene.camera import CameraScene, Evidence, road_of
+from vpf_sim.types import Camera, Obstacles, RoadEdges
 
 RADIUS_M, LANE_M = 60.0, 3.5
 SIDES_M = (-7.0, 7.0)  # of the road's reference line
@@ -26,6 +27,10 @@ def edges_at(d_m: float, turned_rad: float, curvature_per_m: float, oncoming_m: 
 
 def seen(edges: RoadEdges, obstacles: Obstacles | None = None) -> Any:
     return SimpleNamespace(road=edges, obstacles=none() if obstacles is None else obstacles)
+
+
+def camera_scene() -> CameraScene:
+    return CameraScene(Camera(), driver_settings.scene(), driver_settings.ROBUST.road_edges.object_sizes)
 
 
 def on_circle(angle_rad: float, d_m: float) -> tuple[float, float]:
@@ -56,7 +61,7 @@ def test_places_in_the_world_and_on_the_road_are_inverse() -> None:
 
 
 def test_s_counts_the_way_along_the_reference_line() -> None:
-    scene, d_m = CameraScene(), 3.0
+    scene, d_m = camera_scene(), 3.0
     for angle in np.arange(0.0, 1.0, 0.01):
         scene.observe(seen(edges_at(d_m, 0.0, 1.0 / RADIUS_M)), observed(*on_circle(angle, d_m), angle))
     s, d = scene.place(observed(*on_circle(1.0, 2.0), 1.0))
@@ -75,7 +80,7 @@ def test_the_carriageway_ends_beyond_the_lanes_of_oncoming_traffic() -> None:
 def test_an_obstacle_keeps_its_place_in_the_world() -> None:
     """A standing car's rear 20 m ahead on a straight road, and one that drives at 4 m/s; the own car is turned."""
     turned, d_m = 0.2, 1.0
-    scene = CameraScene()
+    scene = camera_scene()
     faces = np.array([[20.0, 0.5], [12.0, -3.0]]) - [0.0, d_m]  # along the road, right of the car
     forward = np.cos(turned) * faces[:, 0] + np.sin(turned) * faces[:, 1]
     aside = np.cos(turned) * faces[:, 1] - np.sin(turned) * faces[:, 0]
@@ -95,8 +100,31 @@ def test_an_obstacle_keeps_its_place_in_the_world() -> None:
     assert (made.ego.d_m, made.road.route_m) == (d_m, 0.0)
 
 
+@pytest.mark.parametrize(("relief", "reported"), [(-0.9, 0), (0.0, 1), (0.8, 1), (np.nan, 1)])
+def test_what_lies_in_the_plane_of_the_road_is_no_obstacle(relief: float, reported: int) -> None:
+    """Perception reports something 12 m ahead; planar parallax judges it."""
+    scene, one = camera_scene(), np.ones(1)
+    for index in range(8):
+        here = observed(0.25 * index, 0.0, 0.0, index / 20.0)
+        low = Obstacles((12.0 - 0.25 * index) * one, -0.4 * one, 0.4 * one, 0.2 * one, one, np.array([5]))
+        scene.observe(seen(edges_at(0.0, 0.0, 0.0), low), here, Evidence(relief=relief * one))
+    assert len(scene.scene(here, 5.0).tracks) == reported
+    assert len(scene.obstacles(here)) == reported
+
+
+def test_the_reported_obstacles_are_where_their_tracks_are_by_now() -> None:
+    scene, one = camera_scene(), np.ones(1)
+    lead = Obstacles(15.0 * one, -0.9 * one, 0.9 * one, 0.2 * one, one, np.array([-1]), 4.0 * one)
+    scene.observe(seen(edges_at(0.0, 0.0, 0.0), lead), observed(0.0, 0.0, 0.0))
+    later = scene.obstacles(observed(0.25, 0.5, 0.0, 0.05))
+    assert later.forward_m[0] == pytest.approx(15.0 + 0.2 - 0.25)
+    assert (later.left_m[0], later.right_m[0]) == pytest.approx((-1.4, 0.4))
+    assert later.identity[0] < 0
+    assert later.ttc_s[0] == pytest.approx(14.95 / (5.0 - 4.0))
+
+
 def test_who_crosses_is_a_track_that_heads_across_after_some_frames() -> None:
-    scene, frames = CameraScene(), 8
+    scene, frames = camera_scene(), 8
     for index in range(frames):
         time_s = index / 20.0
         here = observed(5.0 * time_s, 0.0, 0.0, time_s)
@@ -105,7 +133,7 @@ def test_who_crosses_is_a_track_that_heads_across_after_some_frames() -> None:
         actor = Crossers(
             depth, right - 0.3 + 0.0 * some, right + 0.3 + 0.0 * some, -1.5 + 0.0 * some, 0.0 * some, some, some
         )
-        scene.observe(seen(edges_at(0.0, 0.0, 0.0)), here, actor)
+        scene.observe(seen(edges_at(0.0, 0.0, 0.0)), here, Evidence(actor))
         if index == 0:
             assert not len(scene.scene(here, 5.0).tracks), "one frame is not enough"
     tracks = scene.scene(here, 5.0).tracks

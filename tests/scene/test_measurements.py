@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 from typing import Any
 
+import driver_settings
 import numpy as np
 import pytest
 
@@ -10,6 +11,7 @@ from vpf_sim.scene.measurements import support
 from vpf_sim.types import Floats, Obstacles
 
 CAMERA_M, SPEED_MPS = 0.8, 5.0
+CONFIG = driver_settings.scene().existence
 
 
 def obstacle(forward_m: float) -> Obstacles:
@@ -29,11 +31,11 @@ def points(forward_m: Floats, height_m: float) -> Any:
 
 def test_points_above_the_road_speak_for_an_obstacle_and_paint_against_it() -> None:
     there = np.full(4, 6.2)
-    assert support(obstacle(6.0), points(there, 0.3), CAMERA_M, SPEED_MPS)[0] > 1.0
-    assert support(obstacle(6.0), points(there, 0.0), CAMERA_M, SPEED_MPS)[0] < -0.5
-    assert support(obstacle(6.0), points(there + 4.0, 0.3), CAMERA_M, SPEED_MPS)[0] < -0.5
+    assert support(obstacle(6.0), points(there, 0.3), CAMERA_M, SPEED_MPS, CONFIG)[0] > 1.0
+    assert support(obstacle(6.0), points(there, 0.0), CAMERA_M, SPEED_MPS, CONFIG)[0] < -0.5
+    assert support(obstacle(6.0), points(there + 4.0, 0.3), CAMERA_M, SPEED_MPS, CONFIG)[0] < -0.5
 
 
 @pytest.mark.parametrize(("forward_m", "speed_mps"), [(2.0, SPEED_MPS), (12.0, SPEED_MPS), (6.0, 0.0)])
 def test_a_place_without_measured_heights_tells_nothing(forward_m: float, speed_mps: float) -> None:
-    assert np.isnan(support(obstacle(forward_m), points(np.full(4, forward_m), 0.0), CAMERA_M, speed_mps)[0])
+    assert np.isnan(support(obstacle(forward_m), points(np.full(4, forward_m), 0.0), CAMERA_M, speed_mps, CONFIG)[0])

@@ -2,12 +2,14 @@
 
 from dataclasses import dataclass
 
+import driver_settings
 import numpy as np
 import pytest
 from made_scene import road
 
 from vpf_sim.scene.tracker import Detections, SceneTracker, no_detections
 
+CONFIG = driver_settings.scene().tracker
 RATE_HZ = 20.0
 SIGMAS = np.array([0.3, 0.15, 0.5, 0.5])  # s, d, along, across
 GAIN = 1.5
@@ -44,7 +46,7 @@ def track(
     *motions: Motion, seconds: float = 3.0, seen_until_s: float = np.inf, share: float = 1.0, seed: int = 3
 ) -> SceneTracker:
     """After some seconds in which a `share` of the actors' detections came, up to a time."""
-    random, tracker = np.random.Generator(np.random.PCG64(seed)), SceneTracker()
+    random, tracker = np.random.Generator(np.random.PCG64(seed)), SceneTracker(CONFIG)
     for index in range(round(seconds * RATE_HZ)):
         time_s = index / RATE_HZ
         tracker.predict(1.0 / RATE_HZ)
@@ -131,9 +133,35 @@ def test_detections_that_speak_against_a_track_end_it() -> None:
     assert not len(tracker.reported)
 
 
+def test_a_velocity_of_its_own_corrects_a_track() -> None:
+    """A car that drove at 5 m/s and stands now, of which only the velocity is measured."""
+    tracker = track(Motion(12.0, along_mps=5.0), seconds=2.0)
+    for _ in range(10):
+        tracker.predict(1.0 / RATE_HZ)
+        tracker.correct_velocity(0, np.zeros(2), np.array([0.5, 0.4]))
+    sigma = np.sqrt(np.diag(tracker.table.covariance[0]))
+    assert (np.abs(tracker.table.state[0, 2:]) < 3.0 * sigma[2:]).all()
+    assert (sigma[2:] < 0.5).all()
+
+
+def test_a_car_that_stood_and_moves_away_is_no_longer_where_it_was() -> None:
+    """A parked car pulls out at 1.2 m/s across; a detection with a memory still finds it where it stood."""
+    random, tracker, across = np.random.Generator(np.random.PCG64(1)), track(Motion(12.0, -3.5), seconds=1.0), 1.2
+    for _ in range(20):
+        tracker.predict(1.0 / RATE_HZ)
+        stood = detected([Motion(12.0, -3.5).at(0.0)], random)
+        stood.state[:, 2:] = 0.0
+        tracker.update(stood, 0.2, np.full(len(tracker.table), 1.0 / RATE_HZ), 0.0)
+        seen = np.array([0.0, across + 0.1 * random.standard_normal()])
+        tracker.see_across(int(np.argmax(tracker.table.gain)), seen, np.array([0.5, 0.25]))
+    (row,) = tracker.reported
+    assert tracker.table.state[row, 3] == pytest.approx(across, abs=0.3)
+    assert tracker.table.state[row, 1] == pytest.approx(-3.5 + across * 17.0 / RATE_HZ, abs=0.3)
+
+
 def test_repeated_observations_count_by_the_way_that_makes_them_new() -> None:
     """A car that stands looks at the same picture again and again."""
-    random, tracker = np.random.Generator(np.random.PCG64(1)), SceneTracker()
+    random, tracker = np.random.Generator(np.random.PCG64(1)), SceneTracker(CONFIG)
     still = [Motion(12.0).at(0.0)]
     tracker.update(detected(still, random), 1.0, np.empty(0), 0.0)
     first = float(tracker.table.gain[0])

@@ -2,10 +2,13 @@
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from vpf_sim.driver_interface import Observation
 from vpf_sim.perception.egomotion.focus_of_expansion import Derotated
 from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.obstacles.crossing import Crossers, nobody
+from vpf_sim.perception.obstacles.point_motion import PointMotions
 from vpf_sim.perception.obstacles.prediction import none
 from vpf_sim.types import (
     UNLIMITED,
@@ -51,9 +54,11 @@ class FrameState:
     moving: Obstacles | None = None  # moving obstacles before this frame's measurement
     points: Triangulation = field(init=False)
     on_moving: Bools | None = None  # (N,) points of the flow on moving obstacles
+    motions: PointMotions | None = None  # of the points of the flow, where actors that cross are looked for
     crossers: Crossers = field(default_factory=nobody)
     detected: Obstacles = field(init=False)  # static ones
     obstacles: Obstacles = field(default_factory=none)  # feedback: they hide the road in the next frame
+    relief: Floats = field(default_factory=lambda: np.empty(0))  # (K,) of the obstacles, by planar parallax
     low_range_m: LowObstacleRange = UNLIMITED
 
     # The paper's fields

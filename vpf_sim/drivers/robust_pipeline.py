@@ -10,6 +10,7 @@ from vpf_sim.perception.egomotion.keyframes import KeyframeBuffer
 from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.obstacles.crossing import Crossers, CrossingDetector, nobody
 from vpf_sim.perception.obstacles.moving.tracker import MovingObstacleTracker
+from vpf_sim.perception.obstacles.point_motion import PointMotions, point_motions
 from vpf_sim.perception.obstacles.static_obstacle_settings import StaticObstacleConfig
 from vpf_sim.perception.obstacles.static_tracker import StaticObstacleTracker
 from vpf_sim.pipeline import Pipeline, stage
@@ -36,13 +37,19 @@ def robust_pipeline(
         stage("triangulation", its.triangulate, "steady_flow", "points"),
         stage("moving_obstacles", its.track_moving, "steady_flow points road observation", "on_moving"),
         *(
-            [stage("crossing", its.find_crossers, "steady_flow on_moving observation", "crossers on_moving")]
+            [stage("crossing", its.find_crossers, "steady_flow on_moving observation", "motions crossers on_moving")]
             if variant.crossing
             else []
         ),
         stage("track_refinement", its.refine, "flow steady_flow points road", "points"),
         stage("static_obstacles", its.track_static, "steady_flow road observation points on_moving", "detected"),
         stage("all_obstacles", its.join_moving, "steady_flow observation detected", "obstacles"),
+        *(
+            [stage("oncoming", its.find_oncoming, "points road observation crossers", "crossers")]
+            if variant.crossing
+            else []
+        ),
+        *([stage("relief", its.judge_relief, "obstacles", "relief")] if variant.crossing else []),
         stage("sensing_range", its.sensing_range, "observation", "low_range_m"),
         common.point_features(),
         common.mount_pitch(),
@@ -63,9 +70,8 @@ class ObstacleStages:
         self._moving = (
             MovingObstacleTracker(camera, moving, rate_hz, config.window_px, config.noise) if moving else None
         )
-        self._crossing = (
-            CrossingDetector(camera, variant.crossing, config.window_px, config.noise) if variant.crossing else None
-        )
+        self._crossing = CrossingDetector(camera, variant.crossing) if variant.crossing else None
+        self._point_motions = partial(point_motions, camera=camera, window_px=config.window_px, noise=config.noise)
         self._keyframes = _keyframes(camera, variant, config, rate_hz)
 
     def remember_frame(self, grey: Image) -> None:
@@ -111,12 +117,13 @@ class ObstacleStages:
 
     def find_crossers(
         self, steady: Flow, on_moving: Bools | None, observation: Observation
-    ) -> tuple[Crossers, Bools | None]:
-        """Actors that cross, and (N,) points of the flow on anything that moves; none beneath the wiper."""
+    ) -> tuple[PointMotions | None, Crossers, Bools | None]:
+        """Motions of the points, actors that cross, and (N,) points on what moves; none beneath the wiper."""
         if self._crossing is None or self._trackers.flow.is_swept:
-            return nobody(), on_moving
-        crossers, near = self._crossing.find(steady, observation.speed_mps)
-        return crossers, near if on_moving is None else near | on_moving
+            return None, nobody(), on_moving
+        motions = self._point_motions(steady)
+        crossers, near = self._crossing.find(steady, motions, observation.speed_mps)
+        return motions, crossers, near if on_moving is None else near | on_moving
 
     def refine(self, flow: Flow, steady: Flow, points: Triangulation, road: RoadEdges) -> Triangulation:
         """The points, those above the road matched again with the frame of their first observation."""
@@ -135,6 +142,16 @@ class ObstacleStages:
         if self._moving is None or not self._moving.reports:
             return static
         return static.concatenate(self._moving.moving(steady.pose, observation.speed_mps))
+
+    def find_oncoming(
+        self, points: Triangulation, road: RoadEdges, observation: Observation, crossers: Crossers
+    ) -> Crossers:
+        """Actors that cross, and vehicles that come."""
+        return crossers.concatenate(self._static.oncoming(points, road, observation.speed_mps))
+
+    def judge_relief(self, obstacles: Obstacles) -> Floats:
+        """(K,) how obstacles stand out of the road, by planar parallax; nan of tall ones, or where it is not shown."""
+        return self._static.relief(obstacles)
 
     def sensing_range(self, observation: Observation) -> LowObstacleRange:
         """How far low obstacles are detected."""

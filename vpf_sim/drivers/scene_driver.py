@@ -1,11 +1,12 @@
 """The coming form of `vpf`: what its camera perceives as a scene, and the planner in space and time on it."""
 
+from dataclasses import replace
+
 from vpf_sim.driver_interface import Command, Driver, DriverSetup, Observation, Privilege
 from vpf_sim.timing import call
 from vpf_sim.types import Perception, Plan, Reference
 
 VARIANT = "scene"  # of the perception
-LOST_ROAD_MPS, LOST_ROAD_M = 1.0, 12.0  # where the road is not seen: this fast, this far
 
 
 class SceneDriver(Driver):
@@ -22,23 +23,33 @@ class SceneDriver(Driver):
         self._setup, self._variant = setup, variants.load(VARIANT)
         self._perceiver = Perceiver(setup, self._variant)
         self._own_motion = OwnMotion(setup, self._variant)
-        self._scene = CameraScene(setup.camera.forward_m, self._variant.road_edges.object_sizes)
+        assert self._variant.scene is not None
+        self._lost_road = self._variant.scene.lost_road
+        self._scene = CameraScene(setup.camera, self._variant.scene, self._variant.road_edges.object_sizes)
         self._follower = MotionFollower(setup)
         self._lost_m = 0.0  # way since the road was seen
 
     def act(self, observation: Observation) -> Command:
         observation = self._own_motion.update(observation)
-        perception = self._perceiver.perceive(observation)
-        if self._perceiver.has_processed:
-            frame = self._perceiver.frame
-            call("tracking", self._scene.observe, perception, observation, frame.crossers, frame.points)
+        perception = self._perceived(observation)
         if self._follower.is_due(observation.time_s):
             call("plan", self._replan, perception, observation)
         return call("control", self._follow, perception, observation)
 
     def perceive(self, observation: Observation) -> Perception:
         """What `act` would perceive, without planning or steering; one of the two is called each step."""
-        return self._perceiver.perceive(self._own_motion.update(observation))
+        return self._perceived(self._own_motion.update(observation))
+
+    def _perceived(self, observation: Observation) -> Perception:
+        """The perception with the tracks of the scene as its obstacles."""
+        from vpf_sim.scene.camera import Evidence
+
+        perception = self._perceiver.perceive(observation)
+        if self._perceiver.has_processed:
+            frame = self._perceiver.frame
+            evidence = Evidence(frame.crossers, frame.points, frame.motions, frame.relief)
+            call("tracking", self._scene.observe, perception, observation, evidence)
+        return replace(perception, obstacles=self._scene.obstacles(observation))
 
     def _replan(self, perception: Perception, observation: Observation) -> None:
         speed_mps = self._speed_reference(perception, observation)
@@ -56,7 +67,7 @@ class SceneDriver(Driver):
         seen = max(perception.road.confidence, perception.road.lane_confidence) > 0.0
         self._lost_m = 0.0 if seen else self._lost_m + observation.speed_mps * REPLAN_S
         if not seen:
-            allowed = min(allowed, LOST_ROAD_MPS if self._lost_m < LOST_ROAD_M else 0.0)
+            allowed = min(allowed, self._lost_road.speed_mps if self._lost_m < self._lost_road.way_m else 0.0)
         return self._perceiver.stop_when_blind(Reference(observation.yaw_rad, allowed), observation).speed_mps
 
     def _follow(self, perception: Perception, observation: Observation) -> Command:

@@ -22,6 +22,7 @@ from vpf_sim.perception.plausible import PlausibilityConfig
 from vpf_sim.perception.road.road_settings import RoadEdgeConfig
 from vpf_sim.planning.lane.lane_settings import LanePlannerConfig
 from vpf_sim.planning.paper.planner import PaperPlannerConfig
+from vpf_sim.scene.scene_settings import SceneConfig
 
 PACKAGE = "vpf_sim.planning.variants"
 BASE = "robust"
@@ -68,6 +69,7 @@ class Variant:
     static_obstacles: StaticObstacleConfig | None = setting("Static obstacle tracker.", default=None)
     moving_obstacles: MovingObstacleConfig | None = setting("Moving-object tracker.", default=None)
     crossing: CrossingConfig | None = setting("Actors that cross, for `vpf-scene`.", default=None)
+    scene: SceneConfig | None = setting("Tracks of all that is on the road, for `vpf-scene`.", default=None)
     controller: ControllerConfig | None = setting("Changes of the gains.", default=None)
     paper_planner: PaperPlannerConfig | None = setting("The paper's potential fields.", default=None)
     lane_planner: LanePlannerConfig | None = setting("Lateral cost, path and speed in the lane.", default=None)
@@ -75,7 +77,7 @@ class Variant:
     def __post_init__(self) -> None:
         if (self.paper_planner is None) == (self.lane_planner is None):
             raise ValueError("expected exactly one of [paper_planner] and [lane_planner]")
-        for key in "lane_planner", "moving_obstacles", "crossing":
+        for key in "lane_planner", "moving_obstacles", "crossing", "scene":
             if getattr(self, key) is not None and self.static_obstacles is None:
                 raise ValueError(f"[{key}] needs [static_obstacles]")
 

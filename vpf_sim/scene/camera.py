@@ -4,51 +4,66 @@ The reference line is the middle of the lane in which the car started, so d = 0 
 that the car has come along it.
 """
 
-from math import cos, hypot, sin
+from dataclasses import dataclass
+from math import cos, hypot, sin, sqrt
 
 import numpy as np
 
 from vpf_sim.driver_interface import Observation
-from vpf_sim.geometry import vehicle_from_world
+from vpf_sim.geometry import rotation, vehicle_from_world
 from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.object_sizes import ObjectSizes
 from vpf_sim.perception.obstacles.crossing import Crossers
+from vpf_sim.perception.obstacles.point_motion import PointMotions
+from vpf_sim.perception.obstacles.prediction import none
 from vpf_sim.scene.measurements import of_crossers, of_obstacles, support
 from vpf_sim.scene.road import Road
 from vpf_sim.scene.scene import EgoState, Scene
-from vpf_sim.scene.tracker import SceneTracker, TrackTable
+from vpf_sim.scene.scene_settings import SceneConfig
+from vpf_sim.scene.tracker import Detections, SceneTracker, TrackTable
 from vpf_sim.scene.tracks import Tracks
-from vpf_sim.types import Camera, Floats, Perception, RoadEdges
+from vpf_sim.scene.unseen import UnseenTraffic
+from vpf_sim.scene.vehicle_motion import seen_motion
+from vpf_sim.types import Camera, Floats, Obstacles, Perception, RoadEdges
 
 STEP_M = 0.5  # between the stations of the tables
 BEHIND_M, BENDS_M, AHEAD_M = 40.0, 40.0, 200.0  # of the tables; beyond BENDS_M the road goes straight on
 MOST_BEND = 0.8  # of 1 - d * curvature that the own place may take away
-LOOK_M, LOOK_S = 0.5, 0.5  # way or time after which an observation is independent of the last
 OUT_OF_SIGHT = 0.02  # of what a track loses where it should be detected
 SIGHT_M, BEARING = (3.0, 20.0), 0.8  # where a track is expected to be detected; tangent of its bearing
 STANDING_MPS, STANDING_SIGMAS = 0.4, 1.0  # a track whose velocity is not surely more stands
+NEWEST = 0.5  # of the mean relief
+NEARER_SIGMA = 0.15  # of the distance at which a vehicle stands, as a share of it
+FOLLOWED_M, FORGOTTEN_S = (3.0, 25.0), 1.0  # where, and how long after the last detection, points show a velocity
 CROSSING = 1.0  # across over along, from which a track shows its side
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """What a frame shows beside the obstacles that perception reports."""
+
+    crossers: Crossers | None = None  # actors that cross or come
+    points: Triangulation | None = None  # of its flow
+    motions: PointMotions | None = None  # of the same points
+    relief: Floats | None = None  # (K,) of the obstacles, by planar parallax; nan where it is not shown
+
+
+NO_EVIDENCE = Evidence()
 
 
 class CameraScene:
     """Keeps road coordinates and tracks of one episode."""
 
-    def __init__(self, camera_m: float = Camera().forward_m, sizes: ObjectSizes | None = None) -> None:
-        """The camera is `camera_m` ahead of the pose."""
-        self._camera_m, self._sizes = camera_m, sizes or ObjectSizes()
-        self._tracker = SceneTracker()
+    def __init__(self, camera: Camera, config: SceneConfig, sizes: ObjectSizes) -> None:
+        self._camera, self._config, self._sizes = camera, config.existence, sizes
+        self._tracker, self._unseen = SceneTracker(config.tracker), UnseenTraffic(config.unseen)
         self._last: Observation | None = None  # of the last frame
         self._s_m = 0.0
+        self._relief: dict[int, float] = {}  # of the last frame's obstacles, by identity
         self.road: Road | None = None
 
-    def observe(
-        self,
-        perception: Perception,
-        observation: Observation,
-        crossers: Crossers | None = None,
-        points: Triangulation | None = None,
-    ) -> None:
-        """Bring road and tracks to a processed frame; `points` are those of its flow, triangulated."""
+    def observe(self, perception: Perception, observation: Observation, evidence: Evidence = NO_EVIDENCE) -> None:
+        """Bring road and tracks to a processed frame."""
         s, _ = self.place(observation)
         before, self.road = self.road, road_of(perception.road, observation.pose, s)
         dt_s = way_m = 0.0
@@ -58,15 +73,25 @@ class CameraScene:
             self._tracker.carry(before, self.road)
             self._tracker.predict(dt_s)
         self._last = observation
-        obstacles = perception.obstacles
-        odds = np.full(len(obstacles), np.nan)
-        if points is not None and len(obstacles):
-            odds = support(obstacles, points, self._camera_m, observation.speed_mps)
-        found = of_obstacles(obstacles, odds, observation.pose, self.road, s, self._sizes)
-        if crossers is not None and len(crossers):
-            found = found.joined(of_crossers(crossers, self._camera_m, observation.pose, self.road, s))
-        fresh = min(max(way_m / LOOK_M, dt_s / LOOK_S), 1.0)
+        fresh = min(max(way_m / self._config.look_m, dt_s / self._config.look_s), 1.0)
+        found = self._detections(perception.obstacles, observation, evidence, s)
         self._tracker.update(found, fresh, dt_s * self._visible(observation), s)
+        if evidence.motions is not None:
+            self._follow(evidence.motions, observation)
+        self._unseen.update(observation.time_s, observation.speed_mps, self._tracker.along_mps)
+
+    def _detections(self, obstacles: Obstacles, observation: Observation, evidence: Evidence, s_m: float) -> Detections:
+        """All that was found in the last frame."""
+        assert self.road is not None
+        pose, camera_m = observation.pose, self._camera.forward_m
+        odds = np.full(len(obstacles), np.nan)
+        if evidence.points is not None and len(obstacles):
+            odds = support(obstacles, evidence.points, camera_m, observation.speed_mps, self._config)
+        relief = self._mean_relief(obstacles, evidence.relief)
+        found = of_obstacles(obstacles, odds, relief, pose, self.road, s_m, self._sizes, self._config)
+        if evidence.crossers is None or not len(evidence.crossers):
+            return found
+        return found.joined(of_crossers(evidence.crossers, camera_m, pose, self.road, s_m, self._config))
 
     def scene(self, observation: Observation, speed_reference_mps: float) -> Scene:
         """The scene at an observation, on the road as last perceived."""
@@ -75,7 +100,25 @@ class CameraScene:
         motion = observation.speed_mps, observation.yaw_rate_radps
         ego = EgoState(observation.x_m, observation.y_m, observation.yaw_rad, *motion, s, d)
         table = self._tracker.table.chosen(self._tracker.reported)
-        return Scene(observation.time_s, ego, self.road, tracks_of(table, self.road), speed_reference_mps)
+        tracks = tracks_of(table, self.road).joined(self._unseen.tracks(self.road, ego, observation.time_s))
+        return Scene(observation.time_s, ego, self.road, tracks, speed_reference_mps)
+
+    def obstacles(self, observation: Observation) -> Obstacles:
+        """The reported tracks in vehicle axes at an observation, where they are by then."""
+        table = self._tracker.table.chosen(self._tracker.reported)
+        if self.road is None or self._last is None or not len(table):
+            return none()
+        s, d, along, across = table.state.T
+        moves, since_s = np.hypot(along, across) > STANDING_MPS, observation.time_s - self._last.time_s
+        x, y, _ = self.road.world(s + along * since_s, d + across * since_s)
+        forward, right = vehicle_from_world(np.column_stack([x, y]), observation.pose).T
+        speed, half = np.where(moves, along, 0.0), 0.5 * table.width_m
+        with np.errstate(divide="ignore", invalid="ignore"):
+            closing = observation.speed_mps - speed
+            ttc = np.where((forward > 0.0) & (closing > 0.0), forward / closing, np.inf)
+        sigma = np.sqrt(table.covariance[:, 0, 0])
+        identity = np.where(moves, -1 - table.identity, table.identity)
+        return Obstacles(forward, right - half, right + half, sigma, ttc, identity, speed)
 
     def place(self, observation: Observation) -> tuple[float, float]:
         """s and d of the car, m, on the road as last perceived."""
@@ -84,6 +127,38 @@ class CameraScene:
         s, d = self.road.place_at(np.array([observation.x_m]), np.array([observation.y_m]), np.array([self._s_m]))
         self._s_m = float(s[0])
         return self._s_m, float(d[0])
+
+    def _mean_relief(self, obstacles: Obstacles, relief: Floats | None) -> Floats:
+        """(K,) relief of obstacles over the last frames that showed it; 0 of those never shown."""
+        before, now = self._relief, np.full(len(obstacles), np.nan) if relief is None else relief
+        identities = obstacles.identity.tolist()
+        last = np.array([before.get(identity, 0.0) for identity in identities])
+        mean: Floats = np.where(np.isnan(now), last, last + NEWEST * (now - last))
+        self._relief = dict(zip(identities, mean.tolist(), strict=True))
+        return mean
+
+    def _follow(self, motions: PointMotions, observation: Observation) -> None:
+        """Correct the velocities of tracks by the motion of the points on them."""
+        assert self.road is not None
+        table = self._tracker.table
+        x, y, heading = self.road.world(table.state[:, 0], table.state[:, 1])
+        forward, right = vehicle_from_world(np.column_stack([x, y]), observation.pose).T
+        turn = heading - observation.yaw_rad  # of the road's axes in the vehicle's
+        ahead = (forward > FOLLOWED_M[0]) & (forward < FOLLOWED_M[1]) & (np.abs(right) < BEARING * forward)
+        for row in np.flatnonzero(ahead & (table.unseen_s < FORGOTTEN_S)).tolist():
+            road_axes = rotation(turn[row])  # in the vehicle's
+            place = forward[row], right[row], table.width_m[row], sqrt(table.covariance[row, 0, 0])
+            expected = road_axes @ table.state[row, 2:]
+            found = seen_motion(*place, expected, observation.speed_mps, motions, self._camera)
+            if found is None:
+                continue
+            velocity = found.velocity_mps @ road_axes
+            if hypot(*table.state[row, 2:]) < STANDING_MPS:
+                self._tracker.see_across(row, velocity, found.sigma_mps)
+                continue
+            self._tracker.correct_velocity(row, velocity, found.sigma_mps)
+            if found.nearer < 1.0:
+                self._tracker.correct_place(row, (found.nearer - 1.0) * forward[row], NEARER_SIGMA * forward[row])
 
     def _visible(self, observation: Observation) -> Floats:
         """(K,) 1 for tracks that should be detected, a little for those that cannot be."""

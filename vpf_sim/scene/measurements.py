@@ -7,34 +7,35 @@ from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.object_sizes import ObjectSizes
 from vpf_sim.perception.obstacles.crossing import Crossers
 from vpf_sim.scene.road import Road
+from vpf_sim.scene.scene_settings import ExistenceConfig
 from vpf_sim.scene.tracker import Detections
 from vpf_sim.types import Floats, Obstacles
 
 ALONG_SIGMA_M, ACROSS_SIGMA_M, MOVING_ACROSS_SIGMA_M = 0.2, 0.12, 0.25  # at least
 STANDING_SIGMA_MPS, MOVING_SIGMA_MPS = 0.05, 0.5
-CONFIRMED = 4.0  # log-odds that an obstacle adds which perception has confirmed by itself
-
-BORN_M, NEAR = 8.0, 0.3  # what stands and appears nearer should have been seen before: it adds less, or nothing
 HEIGHT_M, HEIGHT_SIGMA_M = 0.06, 0.06  # of a point that supports an obstacle
 CHI2, CHI2_MARGIN = 9.0, 12.0  # of it as a static point, at most, and how much more on the road
 BEFORE_M, BEHIND_M, ASIDE_M = 0.6, 1.5, 0.3  # of its face and beside it, where such points are
-TRUE_RATE, FALSE_RATE = 2.0, 0.5  # such points in a frame on an obstacle, at least, and on paint
 SUPPORT_M = (3.0, 8.0)  # where they are expected, from the pose
-SHARE = 0.5  # of their log-likelihood: points stay from frame to frame
 STANDING_MPS = 0.5  # a slower car finds no heights
-CROSSER = 0.7  # the same of a cluster of points in one frame
-STATIC_LOSS_PER_S, MOVING_LOSS_PER_S, CROSSER_LOSS_PER_S = 20.0, 2.0, 2.5  # log-odds, while not detected in sight
 BESIDE_M = 3.0  # from the edges, where actors that cross may come from
 NARROWEST_M, DEEP_M = 0.6, 0.6  # of what crosses: its width at least, and its size along the road
 CROSSER_SIGMA_M, CROSSER_SIGMA_MPS = 0.3, (1.0, 0.3)  # across; along and across, at least
 
 
 def of_obstacles(
-    obstacles: Obstacles, odds: Floats, pose: Floats, road: Road, s_m: float, sizes: ObjectSizes
+    obstacles: Obstacles,
+    odds: Floats,
+    relief: Floats,
+    pose: Floats,
+    road: Road,
+    s_m: float,
+    sizes: ObjectSizes,
+    config: ExistenceConfig,
 ) -> Detections:
     """Obstacles in the axes of a car at a pose (x m, y m, yaw rad), `s_m` along the road; lengths by class.
 
-    `odds` (K,) are the log-odds of `support`.
+    `odds` (K,) are the log-odds of `support`; `relief` (K,) is -1 of what lies in the road's plane.
     """
     count = len(obstacles)
     s, d = _on_road(obstacles.forward_m, obstacles.middle_m, pose, road, s_m)
@@ -46,13 +47,17 @@ def of_obstacles(
     covariance = np.eye(4) * (sigma**2)[:, None, :]
     state = np.stack([s, d, obstacles.speed_mps, np.zeros(count)], axis=1)
     width = obstacles.width_m
-    loss = np.where(moving, MOVING_LOSS_PER_S, STATIC_LOSS_PER_S)
-    unjudged = np.where(obstacles.forward_m > SUPPORT_M[0], NEAR, 0.0)
-    gain = np.where(moving | (obstacles.forward_m > BORN_M), CONFIRMED, np.where(np.isnan(odds), unjudged, odds))
+    loss = np.where(moving, config.moving_per_s, config.standing_per_s)
+    unjudged = np.where(obstacles.forward_m > SUPPORT_M[0], config.near, 0.0)
+    surely = moving | (obstacles.forward_m > config.born_m)
+    gain = np.where(surely, config.confirmed, np.where(np.isnan(odds), unjudged, odds))
+    gain = np.where(~moving & (relief < config.flat), config.per_relief * relief, gain)
     return Detections(state, covariance, sizes.lengths_m(width), width, gain, loss)
 
 
-def support(obstacles: Obstacles, points: Triangulation, camera_m: float, own_mps: float) -> Floats:
+def support(
+    obstacles: Obstacles, points: Triangulation, camera_m: float, own_mps: float, config: ExistenceConfig
+) -> Floats:
     """(K,) log-odds by the number of points above the road on static obstacles; nan where none are expected.
 
     Poisson likelihoods of an obstacle and of paint, which lies in the plane.
@@ -65,12 +70,15 @@ def support(obstacles: Obstacles, points: Triangulation, camera_m: float, own_mp
     there = (behind > -BEFORE_M) & (behind < BEHIND_M)
     there &= (right > obstacles.left_m[:, None] - ASIDE_M) & (right < obstacles.right_m[:, None] + ASIDE_M)
     count = np.count_nonzero(there, axis=1)
-    odds = SHARE * (count * np.log(TRUE_RATE / FALSE_RATE) - (TRUE_RATE - FALSE_RATE))
+    expected, mistaken = config.obstacle_points, config.paint_points
+    odds = config.points_share * (count * np.log(expected / mistaken) - (expected - mistaken))
     visible = (obstacles.forward_m > SUPPORT_M[0]) & (obstacles.forward_m < SUPPORT_M[1]) & (own_mps > STANDING_MPS)
-    return np.where(visible, np.minimum(odds, CONFIRMED), np.nan)
+    return np.where(visible, np.minimum(odds, config.confirmed), np.nan)
 
 
-def of_crossers(crossers: Crossers, camera_m: float, pose: Floats, road: Road, s_m: float) -> Detections:
+def of_crossers(
+    crossers: Crossers, camera_m: float, pose: Floats, road: Road, s_m: float, config: ExistenceConfig
+) -> Detections:
     """Actors that cross, of a camera `camera_m` ahead of a pose; those far beside the road are left out."""
     forward = camera_m + crossers.depth_m
     s, d = _on_road(forward, crossers.middle_m, pose, road, s_m)
@@ -92,8 +100,8 @@ def of_crossers(crossers: Crossers, camera_m: float, pose: Floats, road: Road, s
         covariance,
         DEEP_M * same,
         width,
-        CROSSER * same,
-        CROSSER_LOSS_PER_S * same,
+        config.crossing * same,
+        config.crossing_per_s * same,
     )
     return found.chosen(near)
 

@@ -14,16 +14,16 @@ from scipy.optimize import linear_sum_assignment
 from scipy.stats import chi2
 
 from vpf_sim.scene.road import Road
+from vpf_sim.scene.scene_settings import TrackerConfig
 from vpf_sim.types import Bools, Floats, Integers
 
-ACCELERATION_MPS2 = np.array([2.0, 1.0])  # standard deviation of white noise, along and across
-STANDS_MPS, STANDING_SHARE = 0.3, 0.05  # what is slower accelerates by this share of it
+STANDS_MPS = 0.3
 GATE = float(chi2.ppf(0.999, 2))  # of the squared Mahalanobis distance in place
 VELOCITY_SLACK_MPS = 1.5  # added to the velocities' standard deviations: a track may begin to move or stop
 SPAWN, REPORT, PRUNE = -1.0, 0.0, -3.0  # log-odds
-MOST = 6.0  # and at most
-UNSEEN_S = 8.0  # tracks that nobody has seen for so long are pruned
-BEHIND_M, AHEAD_M = 40.0, 120.0  # and those that are farther away
+BEHIND_M, AHEAD_M = 40.0, 120.0  # tracks that are farther away are pruned
+LEAST_ACROSS_MPS, SURE_SIGMAS, SURE_FRAMES = 0.5, 3.0, 3.0  # of points across, by which a standing track moves away
+LEFT_M, MOVED_LOSS_PER_S = 3.0, 2.0  # what stands so near to where it is now is what it was
 VAGUE_M = 5.0  # or whose place is known no better
 
 
@@ -65,12 +65,14 @@ class TrackTable(Faces):
 
     identity: Integers  # (K,)
     unseen_s: Floats  # (K,) since the last detection
+    moved: Floats  # (K,) frames in which its points moved across, less those in which they stood
 
 
 class SceneTracker:
     """Tracks of one episode."""
 
-    def __init__(self) -> None:
+    def __init__(self, config: TrackerConfig) -> None:
+        self._config = config
         self.table = _begun(no_detections(), np.empty(0, np.int64))
         self._next = 0
 
@@ -81,8 +83,9 @@ class SceneTracker:
         table = self.table
         table.state = table.state @ step.T
         stands = np.hypot(*table.state[:, 2:].T) < STANDS_MPS
-        share = np.where(stands, STANDING_SHARE**2, 1.0)
-        table.covariance = step @ table.covariance @ step.T + share[:, None, None] * process_noise(dt_s)
+        share = np.where(stands, self._config.standing_share**2, 1.0)
+        noise = process_noise(dt_s, self._config)
+        table.covariance = step @ table.covariance @ step.T + share[:, None, None] * noise
         table.unseen_s = table.unseen_s + dt_s
 
     def carry(self, before: Road, after: Road) -> None:
@@ -98,6 +101,7 @@ class SceneTracker:
         A detection adds its gain times `fresh`, the share by which it is independent of the last. `in_sight_s` (K,) is
         the time since the last frame, of tracks that should be detected, or a small part of it.
         """
+        found = found.chosen(~self._outdated(found))
         track, detection = self._associate(found)
         table = self.table
         undetected = np.ones(len(table), np.bool_)
@@ -115,6 +119,11 @@ class SceneTracker:
     def reported(self) -> Integers:
         """Rows of the tracks that are likelier than not."""
         return np.flatnonzero(self.table.gain > REPORT)
+
+    @property
+    def along_mps(self) -> Floats:
+        """Speeds along the road of the reported tracks."""
+        return np.asarray(self.table.state[self.reported, 2])
 
     def _associate(self, found: Detections) -> tuple[Integers, Integers]:
         """Rows of tracks and of detections that belong together: least sum of distances within the gate."""
@@ -142,8 +151,43 @@ class SceneTracker:
         table.covariance[rows] = (np.eye(4) - gain) @ before
         for name in ("length_m", "width_m", "loss_per_s"):
             getattr(table, name)[rows] = getattr(found, name)
-        table.gain[rows] = np.minimum(table.gain[rows] + fresh * found.gain, MOST)
+        table.gain[rows] = np.minimum(table.gain[rows] + fresh * found.gain, self._config.most)
         table.unseen_s[rows] = 0.0
+
+    def see_across(self, row: int, velocity_mps: Floats, sigma_mps: Floats) -> None:
+        """Note the velocity (2,) of the points on a track that stands; after some frames of motion across it moves."""
+        table = self.table
+        moves = abs(velocity_mps[1]) > max(LEAST_ACROSS_MPS, SURE_SIGMAS * sigma_mps[1])
+        table.moved[row] = min(max(table.moved[row] + (1.0 if moves else -1.0), 0.0), 2.0 * SURE_FRAMES)
+        if table.moved[row] < SURE_FRAMES or not moves:
+            return
+        table.state[row, 2:] = velocity_mps
+        table.covariance[row, 2:] = table.covariance[row, :, 2:] = 0.0
+        table.covariance[row, 2:, 2:] = np.diag(sigma_mps**2)
+        table.loss_per_s[row] = MOVED_LOSS_PER_S
+
+    def _outdated(self, found: Detections) -> Bools:
+        """(N,) detections of what stands where a track was that has moved away since."""
+        moved = self.table.state[self.table.moved >= SURE_FRAMES]
+        stands = (found.state[:, 2:] == 0.0).all(axis=1)
+        apart = np.abs(found.state[:, None, :2] - moved[:, :2])
+        return np.asarray(stands & (apart < LEFT_M).all(axis=-1).any(axis=1))
+
+    def correct_velocity(self, row: int, velocity_mps: Floats, sigma_mps: Floats) -> None:
+        """Kalman update of a track by its velocity (2,) along and across."""
+        table = self.table
+        before = table.covariance[row]
+        gain = np.linalg.solve(before[2:, 2:] + np.diag(sigma_mps**2), before[2:]).T
+        table.state[row] += gain @ (velocity_mps - table.state[row, 2:])
+        table.covariance[row] = before - gain @ before[2:]
+
+    def correct_place(self, row: int, farther_m: float, sigma_m: float) -> None:
+        """Kalman update of a track by its place along the road, `farther_m` from where it is."""
+        table = self.table
+        before = table.covariance[row]
+        gain = before[0] / (before[0, 0] + sigma_m**2)
+        table.state[row] += gain * farther_m
+        table.covariance[row] = before - np.outer(gain, before[0])
 
     def _spawn(self, found: Detections) -> None:
         count, table = len(found), self.table
@@ -155,7 +199,7 @@ class SceneTracker:
     def _prune(self, ego_s_m: float) -> None:
         table = self.table
         ahead = table.state[:, 0] - ego_s_m
-        kept = (table.gain > PRUNE) & (table.unseen_s < UNSEEN_S) & (ahead > -BEHIND_M) & (ahead < AHEAD_M)
+        kept = (table.gain > PRUNE) & (table.unseen_s < self._config.unseen_s) & (ahead > -BEHIND_M) & (ahead < AHEAD_M)
         kept &= np.sqrt(table.covariance[:, 1, 1]) < VAGUE_M
         if not kept.all():
             self.table = table.chosen(kept)
@@ -164,13 +208,13 @@ class SceneTracker:
 def _begun(found: Detections, identity: Integers) -> TrackTable:
     """Tracks that begin with a detection each."""
     sizes, existence = (found.length_m, found.width_m), (SPAWN + found.gain, found.loss_per_s)
-    return TrackTable(found.state, found.covariance, *sizes, *existence, identity, np.zeros(len(found)))
+    return TrackTable(found.state, found.covariance, *sizes, *existence, identity, *np.zeros((2, len(found))))
 
 
-def process_noise(dt_s: float) -> Floats:
+def process_noise(dt_s: float, config: TrackerConfig) -> Floats:
     """(4, 4) covariance that white noise of acceleration adds in `dt_s`."""
     noise = np.zeros((4, 4))
-    power = ACCELERATION_MPS2**2
+    power = config.along_mps2**2, config.across_mps2**2
     for axis in (0, 1):
         noise[axis, axis] = power[axis] * dt_s**3 / 3.0
         noise[axis, axis + 2] = noise[axis + 2, axis] = power[axis] * dt_s**2 / 2.0

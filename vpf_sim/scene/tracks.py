@@ -39,6 +39,11 @@ class Tracks:
         columns = {field.name: getattr(self, field.name)[rows] for field in fields(self) if field.name != "lanes"}
         return Tracks(**columns, lanes=tuple(self.lanes[row] for row in rows.tolist()) if self.lanes else ())
 
+    def joined(self, others: "Tracks") -> "Tracks":
+        """These and others; lanes are not known."""
+        names = [field.name for field in fields(self) if field.name != "lanes"]
+        return Tracks(**{name: np.concatenate([getattr(self, name), getattr(others, name)]) for name in names})
+
     @property
     def probability(self) -> Floats:
         """(K,) of existence."""

@@ -2,49 +2,16 @@
 
 import numpy as np
 import pytest
-from driver_settings import static_obstacles
+from made_flow import CAMERA, SPEED_MPS, body, flow, motions, road
 
-from vpf_sim.geometry import project, vehicle_from_world
 from vpf_sim.perception.obstacles.crossing import Crossers, CrossingConfig, CrossingDetector
-from vpf_sim.seeding import stream
-from vpf_sim.types import Bools, Camera, Floats, Flow
+from vpf_sim.types import Bools, Floats, Flow
 
-CAMERA = Camera()
-GAP_S, SPEED_MPS = 0.1, 5.5
-CORNER = 400.0 * np.eye(2)
 CONFIG = CrossingConfig(static_chi2=16.0, least_points=3, least_mps=0.6, fastest_mps=8.0, farthest_m=28.0)
 
 
-def detector() -> CrossingDetector:
-    config = static_obstacles()
-    return CrossingDetector(CAMERA, CONFIG, config.window_px, config.noise)
-
-
-def body(forward_m: float, right_m: float, width_m: float, low_m: float, high_m: float, count: int = 30) -> Floats:
-    """(count, 3) points of an upright face, its lowest and highest among them."""
-    random = stream(3, "body")
-    points = random.uniform([-0.5 * width_m, low_m], [0.5 * width_m, high_m], (count, 2))
-    points[0, 1], points[1, 1] = low_m, high_m
-    return np.column_stack([np.full(count, forward_m), right_m + points[:, 0], points[:, 1]])
-
-
-def road(count: int = 150) -> Floats:
-    random = stream(4, "road")
-    return np.column_stack([random.uniform(4.0, 30.0, count), random.uniform(-6.0, 6.0, count), np.zeros(count)])
-
-
-def flow(points_m: Floats, velocity_mps: Floats, yaw_rate_radps: float = 0.0, noise_px: float = 0.05) -> Flow:
-    """Of points (N, 3), places now with velocities (N, 2), for a car at the origin that comes along x."""
-    turn = yaw_rate_radps * GAP_S
-    before = np.array([-SPEED_MPS * GAP_S * np.cos(0.5 * turn), SPEED_MPS * GAP_S * np.sin(0.5 * turn), -turn])
-    past = points_m.copy()
-    past[:, :2] = vehicle_from_world(points_m[:, :2] - GAP_S * velocity_mps, before)
-    random, count = stream(5, "noise"), len(points_m)
-    now_px, past_px = (project(CAMERA, place) + random.normal(0.0, noise_px, (count, 2)) for place in (points_m, past))
-    return Flow(
-        now_px, now_px - past_px, np.full(count, GAP_S), np.tile(before, (count, 1)), np.zeros(3), np.arange(count),
-        past_px, np.tile(before, (count, 1)), np.full(count, 2), np.tile(CORNER, (count, 1, 1)),
-    )  # fmt: skip
+def find(flow: Flow) -> tuple[Crossers, Bools]:
+    return CrossingDetector(CAMERA, CONFIG).find(flow, motions(flow), SPEED_MPS)
 
 
 def scene(actor: Floats, velocity_mps: tuple[float, float], yaw_rate_radps: float = 0.0) -> tuple[Crossers, Bools]:
@@ -52,7 +19,7 @@ def scene(actor: Floats, velocity_mps: tuple[float, float], yaw_rate_radps: floa
     ground = road()
     moves = np.zeros((len(ground) + len(actor), 2))
     moves[len(ground) :] = velocity_mps
-    return detector().find(flow(np.concatenate([ground, actor]), moves, yaw_rate_radps), SPEED_MPS)
+    return find(flow(np.concatenate([ground, actor]), moves, yaw_rate_radps))
 
 
 @pytest.mark.parametrize("yaw_rate_radps", [0.0, 0.3, -0.3])
@@ -86,7 +53,7 @@ def test_what_stands_or_drives_along_the_road_does_not_cross(velocity_mps: tuple
 
 def test_an_empty_road_in_a_bend_shows_nobody() -> None:
     ground = road()
-    found, _ = detector().find(flow(ground, np.zeros((len(ground), 2)), 0.4), SPEED_MPS)
+    found, _ = find(flow(ground, np.zeros((len(ground), 2)), 0.4))
     assert not len(found)
 
 

@@ -30,6 +30,29 @@ def test_a_car_that_comes_towards_us_is_in_its_own_lane(speed_mps: float) -> Non
     assert all((found.right_m > -1.75).all() for found in mistaken)
 
 
+@pytest.mark.parametrize("speed_mps", [-5.0, -8.0, -14.0])
+def test_a_car_that_comes_is_an_oncoming_vehicle_with_its_place_and_speed(speed_mps: float) -> None:
+    ground, vehicle, static = road_points(200), body(100.0, -3.5, 1.8, 1.4, 16), tracker()
+    vehicle[0, 2] = 0.2  # the lowest point
+    drive = Traffic(np.concatenate([vehicle, ground]), np.repeat([speed_mps, 0.0], [len(vehicle), len(ground)]))
+    drive.road = ROAD
+    closing_mps, errors = SPEED_MPS - speed_mps, []
+    for frame in range(int(92.0 / closing_mps * 60.0)):
+        flow = drive.flow(frame)
+        points = static.triangulate(flow)
+        static.update(flow, ROAD, SPEED_MPS, frame / 60.0, points)
+        found, away_m = static.oncoming(points, ROAD, SPEED_MPS), 100.0 - closing_mps * frame / 60.0
+        if len(found) and away_m < 25.0:
+            assert len(found) == 1
+            errors.append([found.depth_m[0] + 0.8 - away_m, found.middle_m[0] + 3.5, found.along_mps[0] - speed_mps])
+            assert found.depth_sigma_m[0] > 0.3 * abs(errors[-1][0])
+    assert len(errors) > 10
+    distance, aside, speed = np.median(np.abs(errors), axis=0)
+    assert distance < 4.0
+    assert aside < 0.6
+    assert speed < 0.3 * abs(speed_mps) + 1.0
+
+
 @pytest.mark.parametrize(
     ("right_m", "width_m", "points"), [(-1.3, 0.6, 8), (-1.3, 1.8, 16), (-0.4, 0.5, 4), (0.7, 0.5, 4), (0.7, 1.8, 16)]
 )

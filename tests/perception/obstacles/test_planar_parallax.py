@@ -53,6 +53,24 @@ def test_a_flat_plate_is_detected_where_it_lies() -> None:
         assert (one.left_m, one.right_m) == pytest.approx((-0.2, 0.6), abs=0.7)
 
 
+def reliefs(height_m: float, left_m: float, right_m: float) -> list[float]:
+    """Of a face at the plate's distance, on the way to 4.5 m before it."""
+    residual, found, one = PlanarParallax(CAMERA, CONFIG, LOOKS_HZ), [], np.ones(1)
+    for forward in np.arange(10.0, PLATE_M[0, 0] - BUMPER_M - 4.5, SPEED_MPS / LOOKS_HZ).tolist():
+        residual.update(frame(forward, height_m), np.array([forward, 0.0, 0.0]))
+        face = (PLATE_M[0, 0] - forward) * one
+        found += residual.relief(Obstacles(face, left_m * one, right_m * one, one, one, np.array([1]))).tolist()
+    return [value for value in found if not np.isnan(value)]
+
+
+def test_what_is_painted_has_no_relief_and_what_lies_on_the_road_has() -> None:
+    """A plate, paint as bright, and the asphalt beside it."""
+    assert np.median(reliefs(0.15, -0.2, 0.6)) > 0.1
+    assert np.median(reliefs(0.0, -0.2, 0.6)) < -0.5
+    assert np.abs(reliefs(0.0, -1.8, -0.9)).max() < 0.1
+    assert len(reliefs(0.0, -0.2, 0.6)) >= 12, "in each comparison from 15 to 7 m"
+
+
 @pytest.mark.parametrize(("aside_m", "turn_radpm"), [(-2.6, 0.0), (3.0, 0.0), (-2.0, 0.05)])
 def test_a_plate_in_the_next_lane_or_in_a_swerve_is_detected_alone(aside_m: float, turn_radpm: float) -> None:
     """The car passes it in the next lane, or swerves towards it: by 13 deg between the frames that are compared."""

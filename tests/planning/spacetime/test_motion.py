@@ -17,7 +17,7 @@ def plan_of(curvature_per_m: float, d_m: float, *objects: tuple[float, ...]) -> 
     return MotionPlan(motion, on, np.array([made.ego.x_m, made.ego.y_m, made.ego.yaw_rad]))
 
 
-@pytest.mark.parametrize(("curvature_per_m", "d_m"), [(0.0, 0.0), (0.0, LANE_M), (1.0 / 40.0, 0.0), (-1.0 / 40.0, 0.0)])
+@pytest.mark.parametrize(("curvature_per_m", "d_m"), [(0.0, 0.0), (1.0 / 40.0, 0.0), (-1.0 / 40.0, 0.0)])
 def test_its_places_are_in_vehicle_axes(curvature_per_m: float, d_m: float) -> None:
     """On a free road the car keeps its lane: an arc that begins at the car, in its direction."""
     forward, right = plan_of(curvature_per_m, d_m).points_m().T
@@ -27,6 +27,12 @@ def test_its_places_are_in_vehicle_axes(curvature_per_m: float, d_m: float) -> N
         right[1:6], 0.5 * curvature_per_m * driven_m[:5] ** 2, atol=0.1
     )  # a course off the heading
     assert driven_m[-1] == pytest.approx(5.0 * 5.5, abs=0.3)
+
+
+@pytest.mark.parametrize("d_m", [-LANE_M, LANE_M])
+def test_a_car_beside_its_route_comes_back_where_that_is_free(d_m: float) -> None:
+    assert plan_of(0.0, d_m).shift_m == pytest.approx(-d_m, abs=0.1)
+    assert abs(plan_of(0.0, d_m, (18.0, 0.0, 0.0, 0.0, 4.5, 1.9)).shift_m) < 0.5, "a car stands there"
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])

@@ -13,14 +13,10 @@ import numpy as np
 from scipy.sparse.csgraph import connected_components
 
 from vpf_sim.configuration import setting, settings
-from vpf_sim.perception.egomotion.egomotion_settings import NoiseModel
-from vpf_sim.perception.egomotion.ground_plane import relative_pose
-from vpf_sim.perception.egomotion.triangulation import information
-from vpf_sim.perception.obstacles.moving.moving_frame import rays
+from vpf_sim.perception.obstacles.point_motion import PointMotions
 from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, LateralExtents
 
 GROUND_SHARE = 0.93  # of the inverse depth of the road behind a point: static points have no less
-NEAREST_PER_M = 0.5
 DROPS = (-0.35, 0.6)  # slopes of the rays that count
 LINK_PX = (35.0, 70.0)  # between points of one actor, across and down
 LINK_PX_PER_S, LINK_SHARE = 8.0, 0.3  # by which their motions may differ
@@ -62,31 +58,6 @@ class Crossers(LateralExtents):
         return len(self.depth_m)
 
 
-@dataclass(frozen=True, slots=True)
-class _Motions:
-    """Motions of N points: residual px = by_depth w + by_across (u w) - far, for an inverse depth w and a speed u."""
-
-    drop: Floats  # (N,) slope of the ray downwards
-    bearing: Floats  # (N,) and to the right
-    by_depth: Floats  # (N, 2)
-    by_across: Floats  # (N, 2)
-    far: Floats  # (N, 2)
-    weight: Floats  # (N, 2, 2)
-
-    def chosen(self, rows: Integers) -> "_Motions":
-        return _Motions(*(getattr(self, name)[rows] for name in self.__slots__))
-
-    def chi2(self, residual: Floats) -> Floats:
-        return np.asarray(np.einsum("ni,nij,nj->n", residual, self.weight, residual))
-
-    def static_chi2(self, least_per_m: Floats) -> Floats:
-        """(N,) with the best inverse depth from `least_per_m` (N,) on."""
-        weighted = np.einsum("nij,nj->ni", self.weight, self.by_depth)
-        curvature = np.maximum((weighted * self.by_depth).sum(axis=1), 1e-12)
-        inverse = np.clip((weighted * self.far).sum(axis=1) / curvature, least_per_m, NEAREST_PER_M)
-        return self.chi2(self.by_depth * inverse[:, None] - self.far)
-
-
 def nobody() -> Crossers:
     """None at all."""
     return Crossers(*np.empty((7, 0)))
@@ -95,14 +66,12 @@ def nobody() -> Crossers:
 class CrossingDetector:
     """Finds actors that cross, frame by frame."""
 
-    def __init__(self, camera: Camera, config: CrossingConfig, window_px: int, noise: NoiseModel) -> None:
+    def __init__(self, camera: Camera, config: CrossingConfig) -> None:
         self._camera, self._config = camera, config
-        self._window_px, self._noise = window_px, noise  # of the point tracks
 
-    def find(self, flow: Flow, own_mps: float) -> tuple[Crossers, Bools]:
+    def find(self, flow: Flow, motions: PointMotions, own_mps: float) -> tuple[Crossers, Bools]:
         """The actors that cross, and (N,) points of the flow that are theirs or nearby."""
         config, near = self._config, np.zeros(len(flow), np.bool_)
-        motions = _motions(flow, self._camera, self._window_px, self._noise)
         rows = np.flatnonzero(self._moves(flow, motions))
         found = []
         if len(rows) >= config.least_points:
@@ -115,7 +84,7 @@ class CrossingDetector:
                     near |= _around(flow.points_px, flow.points_px[cluster])
         return Crossers(*np.array(found, float).reshape(-1, 7).T), near
 
-    def _moves(self, flow: Flow, motions: _Motions) -> Bools:
+    def _moves(self, flow: Flow, motions: PointMotions) -> Bools:
         """(N,) points that do not belong to the static scene."""
         least_per_m = GROUND_SHARE * np.maximum(motions.drop, 0.0) / self._camera.height_m
         moves: Bools = motions.static_chi2(least_per_m) > self._config.static_chi2
@@ -129,36 +98,6 @@ def _around(points_px: Floats, cluster_px: Floats) -> Bools:
     return np.asarray(((points_px > low) & (points_px < high)).all(axis=1))
 
 
-def _motions(flow: Flow, camera: Camera, window_px: int, noise: NoiseModel) -> _Motions:
-    """The motions over the flow's windows; a past ray is f - f_w w - f_u u w forward, and so on."""
-    ray, past = rays(camera, flow.points_px), flow.points_px - flow.displacement_px
-    x = (past[:, 0] - camera.cx_px) / camera.fx_px
-    y = (past[:, 1] - camera.cy_px) / camera.fy_px
-    position, turn = relative_pose(flow.past_pose, flow.pose)
-    cosine, sine = np.cos(turn), np.sin(turn)
-    zero = np.zeros_like(x)
-    forward = np.stack(
-        [cosine * ray[:, 0] - sine * ray[:, 1], position[:, 0] + (cosine - 1.0) * camera.forward_m, sine * flow.gap_s]
-    )
-    right = np.stack(
-        [sine * ray[:, 0] + cosine * ray[:, 1], position[:, 1] + sine * camera.forward_m, -cosine * flow.gap_s]
-    )
-    down = np.stack([ray[:, 2], zero, zero])
-    pitch_cosine, pitch_sine = np.cos(camera.pitch_rad), np.sin(camera.pitch_rad)
-    depth = pitch_cosine * forward + pitch_sine * down  # along the past camera's axis
-    below = pitch_cosine * down - pitch_sine * forward
-    focal = np.array([camera.fx_px, camera.fy_px]) / np.maximum(depth[0], 0.2)[:, None]
-    far, by_depth, by_across = focal * np.stack([x * depth - right, y * depth - below], axis=-1)
-    return _Motions(
-        ray[:, 2] / ray[:, 0],
-        ray[:, 1] / ray[:, 0],
-        by_depth,
-        by_across,
-        -far,
-        information(flow, window_px, flow.gap_s, noise),
-    )
-
-
 def _clusters(points_px: Floats, motion_px_per_s: Floats) -> Integers:
     """(N,) labels of points that are near each other and move alike."""
     apart = np.abs(points_px[:, None] - points_px)
@@ -169,7 +108,7 @@ def _clusters(points_px: Floats, motion_px_per_s: Floats) -> Integers:
     return np.asarray(connected_components(near)[1])
 
 
-def _actor(points: _Motions, camera: Camera, config: CrossingConfig, own_mps: float) -> tuple[float, ...] | None:
+def _actor(points: PointMotions, camera: Camera, config: CrossingConfig, own_mps: float) -> tuple[float, ...] | None:
     """A row of `Crossers` by the points of a cluster; None if they are none."""
     lowest = float(points.drop.max())
     if lowest * config.farthest_m < camera.height_m - FOOT_M:
@@ -204,7 +143,7 @@ def _actor(points: _Motions, camera: Camera, config: CrossingConfig, own_mps: fl
 
 
 def _fit(
-    points: _Motions, prior_per_m: float, prior_sigma_per_m: float
+    points: PointMotions, prior_per_m: float, prior_sigma_per_m: float
 ) -> tuple[float, float, tuple[float, float], Floats]:
     """Inverse depth w, u w, their standard deviations and (N,) chi2, by reweighted least squares (Cauchy)."""
     slope = np.stack([points.by_depth, points.by_across], axis=2)

@@ -23,6 +23,7 @@ class PointDetector:
         self._camera, self._config, self._rate_hz = camera, config, rate_hz
         looming = config.looming_consistency
         self._looming = LoomingConsistency(looming, update_hz) if looming else None
+        self.coming: Integers = np.empty(0, np.int64)  # rows of the last frame's points of oncoming traffic
 
     def observe(
         self, flow: Flow, points: Triangulation, road: RoadEdges, moving: Bools | None = None
@@ -64,9 +65,11 @@ class PointDetector:
         rows = np.flatnonzero(above)
         left, right = carriageway_offsets(self._camera.forward_m + depth[rows], road)
         aside = points.right_m[rows]
-        inside = (aside > left + config.edge_margin_m) & (aside < right - config.edge_margin_m)
-        rows = rows[inside]
-        rows = rows[~come_towards(points, rows, road, self._camera, config)]
+        margin = config.edge_margin_m
+        near = (aside > left - road.oncoming_m + margin) & (aside < right - margin)
+        rows, inside = rows[near], (aside > left + margin)[near]
+        comes = come_towards(points, rows, road, self._camera, config)
+        self.coming, rows = rows[comes], rows[inside & ~comes]
         return self._moving_as_placed(flow, points, rows[~self._are_far(flow, points, rows)])
 
     def _are_far(self, flow: Flow, points: Triangulation, rows: Integers) -> Bools:

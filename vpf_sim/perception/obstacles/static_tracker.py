@@ -7,7 +7,9 @@ import numpy as np
 
 from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.egomotion.triangulation import Triangulation, triangulate
+from vpf_sim.perception.obstacles.crossing import Crossers, nobody
 from vpf_sim.perception.obstacles.obstacle_clusters import NONE, ObstacleClusters
+from vpf_sim.perception.obstacles.oncoming import oncoming_vehicles
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation, PlanarParallax
 from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks
 from vpf_sim.perception.obstacles.point_detection import PointDetector
@@ -84,6 +86,18 @@ class StaticObstacleTracker:
             self._tall, self._obstacles = self._clusters.obstacles(flow.pose, road, tracks)
             self._pose = flow.pose
         return to_current_frame(self._obstacles, self._pose, flow.pose, speed_mps)
+
+    def relief(self, obstacles: Obstacles) -> Floats:
+        """(K,) as `PlanarParallax.relief`; nan of tall obstacles, whose shadows lie in the road's plane."""
+        tall = among(obstacles.identity, self._tall.identity)
+        return np.where(tall, np.nan, self.parallax.relief(obstacles))
+
+    def oncoming(self, points: Triangulation, road: RoadEdges, speed_mps: float) -> Crossers:
+        """Oncoming vehicles by the points of the last update."""
+        rows, config = self._detector.coming, self.config.oncoming
+        if config is None or not len(rows) or rows[-1] >= len(points.depth_m):
+            return nobody()
+        return oncoming_vehicles(points, rows, road, self.camera, config, speed_mps)
 
     def _prune(self, flow: Flow) -> None:
         points = self.points

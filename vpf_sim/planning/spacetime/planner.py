@@ -24,7 +24,7 @@ BATCH = 200  # motions that are compared with the objects at a time
 ON_PLAN_M, ON_PLAN_MPS = 0.3, 0.7  # a car that is nearer to its plan goes on from the plan
 LARGEST_ANGLE_RAD = 0.9
 SLOW_MPS = 0.3  # below it the yaw rate tells nothing of the curvature
-MOST_CHANGE_M = 3.0
+MOST_CHANGE_M = 1.0
 SPEED_CHANGE_S = 1.0
 
 

@@ -18,7 +18,9 @@ from vpf_sim.perception.obstacles.planar_parallax.temporal_average import Tempor
 from vpf_sim.perception.quantiles import quantile
 from vpf_sim.perception.road.birds_eye import lookup
 from vpf_sim.perception.road.occlusion import shadow
-from vpf_sim.types import Bools, Camera, Floats, Image, LateralExtent, Singles
+from vpf_sim.types import Bools, Camera, Floats, Image, LateralExtent, Obstacles, Singles
+
+RELIEF_M = -0.2, 0.6  # from a face, where it is judged
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +39,17 @@ class _Layout:
 
     patch: Image  # (rows, columns)
     pose: Floats  # (3,)
+
+
+@dataclass(frozen=True, slots=True)
+class _Comparison:
+    """The last comparison, and what it was made from."""
+
+    now: Singles  # (rows, columns) the patch
+    older: _Layout
+    pose: Floats
+    road: Singles  # (rows, columns) differences as road
+    noise: float
 
 
 class PlanarParallax:
@@ -59,6 +72,7 @@ class PlanarParallax:
         self._past: deque[_Layout] = deque()
         self._contrast: Singles = np.empty((0, 0), np.float32)  # of the last observation, in multiples of the noise
         self._seen: Bools = np.empty((0, 0), np.bool_)  # where it showed the road or what stands on it
+        self._last: _Comparison | None = None  # in this frame
         self._window = odd_cells(config.window_m, config.cell_m)
         border = round(config.border_m / config.cell_m)
         self._columns = slice(border, len(self._right_m) - border)
@@ -79,6 +93,7 @@ class PlanarParallax:
         corners of known obstacles in vehicle axes: what they cover and hide is ignored.
         """
         self._since += 1
+        self._last = None
         if image is None or self._since < self._period_frames:
             return None
         self._since = 0
@@ -89,6 +104,28 @@ class PlanarParallax:
         lens = np.array([self.camera.forward_m, 0.0])
         self.lenses_m = lens, vehicle_from_world(world_from_vehicle(lens, older.pose), pose)
         return self._compare(now, older, footprints)
+
+    def relief(self, faces: Obstacles) -> Floats:
+        """(K,) how faces in vehicle axes stand out of the road: 1 above it, -1 in its plane, as paint is, 0 untextured.
+
+        The mean over the place of each; nan where this frame does not show it.
+        """
+        last, found = self._last, np.full(len(faces), np.nan)
+        first, end = self._forward_m[0], self._forward_m[self._rows - 1]
+        near = (faces.forward_m > first) & (faces.forward_m + RELIEF_M[1] < end)
+        if last is None or not near.any():
+            return found
+        above = [self._difference(last.now, last.older, last.pose, height)[0] for height in self.config.above_m]
+        gain = (last.road - np.minimum.reduce(above)) / np.float32(self.config.least_gain * last.noise)
+        gain = np.clip(gain, -1.0, 1.0)
+        right_m = self._right_m[self._columns]
+        for row in np.flatnonzero(near).tolist():
+            rows = slice(*np.searchsorted(self._forward_m, faces.forward_m[row] + np.array(RELIEF_M)))
+            columns = slice(*np.searchsorted(right_m, [faces.left_m[row], faces.right_m[row]]))
+            seen = self._seen[rows, columns]
+            if seen.any() and seen.mean() > self.config.least_seen:
+                found[row] = float(gain[rows, columns][seen].mean())
+        return found
 
     def _laid_out(self, image: Image, pose: Floats) -> _Layout:
         """Lay out a frame and keep it for later comparisons."""
@@ -114,6 +151,7 @@ class PlanarParallax:
         now = np.asarray(cv2.GaussianBlur(sharp, (3, 15), 0), np.float32)[:, self._columns]
         road, free = self._difference(now, older, pose, 0.0)
         noise = self._record_quality(road, free, older.pose, pose)
+        self._last = _Comparison(now, older, pose, road, noise)
         if float(road.max()) < config.least_gain * noise:
             if self._average is not None:
                 self._average.fade()

@@ -1,0 +1,38 @@
+"""Traffic that a camera does not see: beside the car and behind it, on a road of three lanes."""
+
+import driver_settings
+import numpy as np
+import pytest
+from made_scene import LANE_M, road
+
+from vpf_sim.scene.scene import EgoState
+from vpf_sim.scene.tracks import Tracks
+from vpf_sim.scene.unseen import UnseenTraffic
+
+TRAFFIC_MPS = 5.0
+
+
+def tracks(own_mps: float, seen_mps: float = TRAFFIC_MPS, seconds: float = 2.0, d_m: float = 0.0) -> Tracks:
+    """After some seconds at a speed, of which the first showed traffic."""
+    unseen = UnseenTraffic(driver_settings.scene().unseen)
+    for time_s in np.arange(0.0, seconds, 0.05).tolist():
+        unseen.update(time_s, own_mps, np.array([seen_mps]) if time_s < 1.0 else np.empty(0))
+    return unseen.tracks(road(), EgoState(0.0, d_m, 0.0, own_mps, 0.0, 0.0, d_m), seconds)
+
+
+def test_a_car_that_is_slower_than_the_traffic_may_be_overtaken_in_each_other_lane() -> None:
+    found = tracks(2.0)
+    np.testing.assert_allclose(found.d_m, [-LANE_M, LANE_M])
+    np.testing.assert_allclose(found.speed_mps, TRAFFIC_MPS)
+    assert (found.x_m - 0.5 * found.length_m < -10.0).all()
+    assert (found.x_m + 0.5 * found.length_m > 2.0).all()
+    np.testing.assert_allclose(tracks(2.0, d_m=LANE_M).d_m, [-LANE_M, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("own_mps", "seen_mps", "seconds"),
+    [(5.5, TRAFFIC_MPS, 2.0), (2.0, 0.0, 2.0), (2.0, TRAFFIC_MPS, 30.0), (0.0, TRAFFIC_MPS, 15.0)],
+)
+def test_nobody_is_expected(own_mps: float, seen_mps: float, seconds: float) -> None:
+    """Of a fast car, without traffic, long after it, and of a car that has long been standing."""
+    assert not len(tracks(own_mps, seen_mps, seconds))

@@ -1,0 +1,54 @@
+"""What may drive where a camera that looks forward sees nothing: beside the car and behind it.
+
+A car that is slower than the traffic is overtaken. So where traffic was seen, somebody may drive in each other lane,
+beside or behind, at the traffic's speed, and a lane change may cut him off. A car that has long been standing no longer
+waits for him.
+"""
+
+from math import inf
+
+import numpy as np
+
+from vpf_sim.scene.road import Road
+from vpf_sim.scene.scene import EgoState
+from vpf_sim.scene.scene_settings import UnseenConfig
+from vpf_sim.scene.tracks import Tracks
+from vpf_sim.types import Floats
+
+BESIDE_M = -16.0, 4.0  # from the car's middle
+WIDTH_M = 1.8
+IN_LANE = 0.6  # of a lane's width: a car that is nearer to a lane's middle is in it
+STANDING_MPS = 0.3
+
+
+class UnseenTraffic:
+    """Remembers how fast the traffic was, and how long the car has stood."""
+
+    def __init__(self, config: UnseenConfig) -> None:
+        self._config = config
+        self._speed_mps, self._seen_s, self._stood_s, self._last_s = 0.0, -inf, 0.0, 0.0
+
+    def update(self, time_s: float, own_mps: float, along_mps: Floats) -> None:
+        """Note the speeds (K,) along the road of what moves in our direction."""
+        since_s, self._last_s = time_s - self._last_s, time_s
+        self._stood_s = self._stood_s + since_s if own_mps < STANDING_MPS else 0.0
+        fastest = float(along_mps.max(initial=0.0))
+        if fastest > max(self._speed_mps, STANDING_MPS) or time_s - self._seen_s > self._config.remembered_s:
+            self._speed_mps = fastest
+        if fastest > STANDING_MPS:
+            self._seen_s = time_s
+
+    def tracks(self, road: Road, ego: EgoState, time_s: float) -> Tracks:
+        """A track in each other lane of our direction while the car is slower than the traffic."""
+        lanes = road.lanes_at(np.array([ego.s_m]))[:, 0]
+        others = lanes[np.abs(lanes - ego.d_m) > IN_LANE * road.lane_width_m]
+        recent = time_s - self._seen_s < self._config.remembered_s and self._stood_s < self._config.patience_s
+        if not recent or ego.speed_mps > self._config.slower_share * self._speed_mps:
+            others = others[:0]
+        same = np.ones(len(others))
+        s = (ego.s_m + 0.5 * sum(BESIDE_M)) * same
+        x, y, heading = road.world(s, others)
+        return Tracks(
+            x, y, heading, self._speed_mps * same, 0.0 * same, (BESIDE_M[1] - BESIDE_M[0]) * same, WIDTH_M * same,
+            s, others, same, np.zeros((len(others), 4, 4)), -1 - np.arange(len(others)),
+        )  # fmt: skip
