@@ -169,9 +169,9 @@ class SceneTracker:
     def _outdated(self, found: Detections) -> Bools:
         """(N,) detections of what stands where a track was that has moved away since."""
         moved = self.table.state[self.table.moved >= SURE_FRAMES]
-        stands = (found.state[:, 2:] == 0.0).all(axis=1)
-        apart = np.abs(found.state[:, None, :2] - moved[:, :2])
-        return np.asarray(stands & (apart < LEFT_M).all(axis=-1).any(axis=1))
+        stands = np.all(found.state[:, 2:] == 0.0, axis=1)
+        near = np.abs(found.state[:, None, :2] - moved[:, :2]) < LEFT_M
+        return np.asarray(stands & np.any(np.all(near, axis=2), axis=1))
 
     def correct_velocity(self, row: int, velocity_mps: Floats, sigma_mps: Floats) -> None:
         """Kalman update of a track by its velocity (2,) along and across."""

@@ -1,6 +1,7 @@
 """All that is on the road or near it, as tracks."""
 
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -41,8 +42,12 @@ class Tracks:
 
     def joined(self, others: "Tracks") -> "Tracks":
         """These and others; lanes are not known."""
-        names = [field.name for field in fields(self) if field.name != "lanes"]
-        return Tracks(**{name: np.concatenate([getattr(self, name), getattr(others, name)]) for name in names})
+        columns: dict[str, Any] = {
+            field.name: np.concatenate([getattr(self, field.name), getattr(others, field.name)])
+            for field in fields(self)
+            if field.name != "lanes"
+        }
+        return Tracks(**columns)
 
     @property
     def probability(self) -> Floats:
