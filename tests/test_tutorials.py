@@ -128,14 +128,13 @@ def test_every_block_is_well_formed(page: Path) -> None:
 
 @pytest.mark.parametrize("page", ["reference", "sensor-faults"])
 def test_scenarios_and_weathers_of_the_other_pages_are_valid(page: str, tmp_path: Path) -> None:
-    for number, block in enumerate(block for block in blocks(DOCS / f"{page}.md") if block.kind == "toml"):
+    found = [block.content for block in blocks(DOCS / f"{page}.md") if block.kind == "toml"]
+    for number, content in enumerate(found):
         path = tmp_path / f"{number}.toml"
-        path.write_text(block.content, "utf-8")
-        table = configuration.parse(block.content, path.name)
-        if "droplets" in table:
-            weather.load(str(path))
-        else:
-            scenarios.load(str(path))
+        path.write_text(content, "utf-8")
+        load = weather.load if "droplets" in configuration.parse(content, path.name) else scenarios.load
+        assert load(str(path)) == load(str(path))
+    assert found
 
 
 def test_every_public_name_is_on_the_page_of_the_api() -> None:

@@ -87,7 +87,9 @@ def test_a_model_with_a_random_operator_is_refused(name: str, tmp_path: Path) ->
 
 @pytest.mark.parametrize("name", CERTAIN)
 def test_a_model_that_is_certain_is_taken(name: str, tmp_path: Path) -> None:
-    OnnxDriver(written(tmp_path, CERTAIN[name]))
+    path = written(tmp_path, CERTAIN[name])
+    assert random_operators(path.read_bytes(), "action") == []
+    assert OnnxDriver(path).uses_images is False
 
 
 def test_random_operator_in_a_function_of_the_model_is_found() -> None:

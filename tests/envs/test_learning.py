@@ -30,12 +30,15 @@ def bends(env: FourLanePixels) -> bool:
 def test_it_is_a_gymnasium_environment(kind: dict[str, Any]) -> None:
     env = gymnasium.make("vpf_sim/FourLanePixels-v0", render_mode="rgb_array", **kind)
     check_env(env.unwrapped, skip_render_check=True)
+    assert env.observation_space.contains(env.reset(seed=0)[0])
 
 
 @pytest.mark.parametrize("kind", [{}, {"state": True}, {"grey": False, "image_size": (64, 48)}])
 def test_stable_baselines3_takes_it(kind: dict[str, Any]) -> None:
     checker = pytest.importorskip("stable_baselines3.common.env_checker", reason="needs Stable-Baselines3")
-    checker.check_env(FourLanePixels(**kind))
+    env = FourLanePixels(**kind)
+    checker.check_env(env)
+    assert env.observation_space.contains(env.reset(seed=0)[0])
 
 
 def test_wrappers_of_gymnasium_stack_its_frames() -> None:

@@ -75,7 +75,9 @@ def test_images_of_a_faulty_camera(name: str) -> None:
 def test_gymnasiums_checker_accepts_a_faulty_camera(name: str) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        check_env(gym.make("vpf_sim/FourLane-v0", scenario=with_faults(FAULTS[name]), rig=SMALL).unwrapped)
+        env = gym.make("vpf_sim/FourLane-v0", scenario=with_faults(FAULTS[name]), rig=SMALL)
+        check_env(env.unwrapped)
+    assert env.observation_space.contains(env.reset(seed=0)[0])
 
 
 def test_arrays_of_info_and_state() -> None:
