@@ -123,6 +123,15 @@ def test_the_reported_obstacles_are_where_their_tracks_are_by_now() -> None:
     assert later.ttc_s[0] == pytest.approx(14.95 / (5.0 - 4.0))
 
 
+def test_a_car_that_stands_finds_no_new_evidence_of_what_stands() -> None:
+    """An obstacle that appears 6 m ahead, where no points judge it."""
+    scene, one = camera_scene(), np.ones(1)
+    face = Obstacles(6.0 * one, -0.9 * one, 0.9 * one, 0.2 * one, one, np.array([5]))
+    for index in range(200):
+        scene.observe(seen(edges_at(0.0, 0.0, 0.0), face), observed(0.0, 0.0, 0.0, index / 20.0))
+    assert not len(scene.scene(observed(0.0, 0.0, 0.0, 10.0), 5.0).tracks)
+
+
 def test_who_crosses_is_a_track_that_heads_across_after_some_frames() -> None:
     scene, frames = camera_scene(), 8
     for index in range(frames):

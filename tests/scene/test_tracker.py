@@ -153,10 +153,20 @@ def test_a_car_that_stood_and_moves_away_is_no_longer_where_it_was() -> None:
         stood.state[:, 2:] = 0.0
         tracker.update(stood, 0.2, np.full(len(tracker.table), 1.0 / RATE_HZ), 0.0)
         seen = np.array([0.0, across + 0.1 * random.standard_normal()])
-        tracker.see_across(int(np.argmax(tracker.table.gain)), seen, np.array([0.5, 0.25]))
+        tracker.see_motion(int(np.argmax(tracker.table.gain)), seen, np.array([0.5, 0.25]), 5.0)
     (row,) = tracker.reported
     assert tracker.table.state[row, 3] == pytest.approx(across, abs=0.3)
     assert tracker.table.state[row, 1] == pytest.approx(-3.5 + across * 17.0 / RATE_HZ, abs=0.3)
+
+
+@pytest.mark.parametrize(("own_mps", "along_mps", "moves"), [(0.0, 3.0, True), (0.0, 0.5, False), (5.0, 2.0, False)])
+def test_a_lead_car_that_drives_on_moves_but_a_wrong_distance_does_not(
+    own_mps: float, along_mps: float, moves: bool
+) -> None:
+    tracker = track(Motion(8.0), seconds=1.0)
+    for _ in range(4):
+        tracker.see_motion(0, np.array([along_mps, 0.0]), np.array([0.3, 0.25]), own_mps)
+    assert (tracker.table.state[0, 2] > 0.6 * along_mps) is moves
 
 
 def test_repeated_observations_count_by_the_way_that_makes_them_new() -> None:

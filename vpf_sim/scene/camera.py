@@ -73,8 +73,10 @@ class CameraScene:
             self._tracker.carry(before, self.road)
             self._tracker.predict(dt_s)
         self._last = observation
-        fresh = min(max(way_m / self._config.look_m, dt_s / self._config.look_s), 1.0)
         found = self._detections(perception.obstacles, observation, evidence, s)
+        by_way, by_time = way_m / self._config.look_m, dt_s / self._config.look_s
+        stands = np.all(found.state[:, 2:] == 0.0, axis=1)  # a car that stands sees it from one place
+        fresh = np.minimum(np.where(stands, by_way, max(by_way, by_time)), 1.0)
         self._tracker.update(found, fresh, dt_s * self._visible(observation), s)
         if evidence.motions is not None:
             self._follow(evidence.motions, observation)
@@ -154,7 +156,7 @@ class CameraScene:
                 continue
             velocity = found.velocity_mps @ road_axes
             if hypot(*table.state[row, 2:]) < STANDING_MPS:
-                self._tracker.see_across(row, velocity, found.sigma_mps)
+                self._tracker.see_motion(row, velocity, found.sigma_mps, observation.speed_mps)
                 continue
             self._tracker.correct_velocity(row, velocity, found.sigma_mps)
             if found.nearer < 1.0:

@@ -22,7 +22,8 @@ GATE = float(chi2.ppf(0.999, 2))  # of the squared Mahalanobis distance in place
 VELOCITY_SLACK_MPS = 1.5  # added to the velocities' standard deviations: a track may begin to move or stop
 SPAWN, REPORT, PRUNE = -1.0, 0.0, -3.0  # log-odds
 BEHIND_M, AHEAD_M = 40.0, 120.0  # tracks that are farther away are pruned
-LEAST_ACROSS_MPS, SURE_SIGMAS, SURE_FRAMES = 0.5, 3.0, 3.0  # of points across, by which a standing track moves away
+LEAST_MPS, SURE_SIGMAS, SURE_FRAMES = np.array([1.0, 0.5]), 3.0, 3.0  # of points by which a standing track moves away
+DISTANCE_SHARE = 0.5  # of the own speed, along
 LEFT_M, MOVED_LOSS_PER_S = 3.0, 2.0  # what stands so near to where it is now is what it was
 VAGUE_M = 5.0  # or whose place is known no better
 
@@ -65,7 +66,7 @@ class TrackTable(Faces):
 
     identity: Integers  # (K,)
     unseen_s: Floats  # (K,) since the last detection
-    moved: Floats  # (K,) frames in which its points moved across, less those in which they stood
+    moved: Floats  # (K,) frames in which its points moved, less those in which they stood
 
 
 class SceneTracker:
@@ -95,20 +96,21 @@ class SceneTracker:
             x, y, _ = before.world(state[:, 0], state[:, 1])
             state[:, 0], state[:, 1] = after.place_at(x, y, state[:, 0])
 
-    def update(self, found: Detections, fresh: float, in_sight_s: Floats, ego_s_m: float) -> None:
+    def update(self, found: Detections, fresh: float | Floats, in_sight_s: Floats, ego_s_m: float) -> None:
         """Correct tracks by their detections and begin new ones.
 
-        A detection adds its gain times `fresh`, the share by which it is independent of the last. `in_sight_s` (K,) is
+        A detection adds its gain times `fresh`, one or (N,), the share by which it is independent of the last. `in_sight_s` (K,) is
         the time since the last frame, of tracks that should be detected, or a small part of it.
         """
-        found = found.chosen(~self._outdated(found))
+        current = ~self._outdated(found)
+        found, fresh = found.chosen(current), np.broadcast_to(fresh, len(found))[current]
         track, detection = self._associate(found)
         table = self.table
         undetected = np.ones(len(table), np.bool_)
         undetected[track] = False
         table.gain[undetected] -= (in_sight_s * table.loss_per_s)[undetected]
         if len(track):
-            self._correct(track, found.chosen(detection), fresh)
+            self._correct(track, found.chosen(detection), fresh[detection])
         new = np.ones(len(found), np.bool_)
         new[detection] = False
         if new.any():
@@ -141,7 +143,7 @@ class SceneTracker:
         kept = possible[track, detection]
         return track[kept], detection[kept]
 
-    def _correct(self, rows: Integers, found: Detections, fresh: float) -> None:
+    def _correct(self, rows: Integers, found: Detections, fresh: Floats) -> None:
         """Kalman update of some tracks by a detection each."""
         table = self.table
         before = table.covariance[rows]
@@ -154,10 +156,14 @@ class SceneTracker:
         table.gain[rows] = np.minimum(table.gain[rows] + fresh * found.gain, self._config.most)
         table.unseen_s[rows] = 0.0
 
-    def see_across(self, row: int, velocity_mps: Floats, sigma_mps: Floats) -> None:
-        """Note the velocity (2,) of the points on a track that stands; after some frames of motion across it moves."""
+    def see_motion(self, row: int, velocity_mps: Floats, sigma_mps: Floats, own_mps: float) -> None:
+        """Note the velocity (2,) of the points on a track that stands; after some frames of motion it moves.
+
+        A wrong distance of the track looks like motion along the road, by a share of the own speed.
+        """
         table = self.table
-        moves = abs(velocity_mps[1]) > max(LEAST_ACROSS_MPS, SURE_SIGMAS * sigma_mps[1])
+        least = np.maximum(LEAST_MPS, SURE_SIGMAS * sigma_mps) + [DISTANCE_SHARE * own_mps, 0.0]
+        moves = bool(np.any(np.abs(velocity_mps) > least))
         table.moved[row] = min(max(table.moved[row] + (1.0 if moves else -1.0), 0.0), 2.0 * SURE_FRAMES)
         if table.moved[row] < SURE_FRAMES or not moves:
             return
