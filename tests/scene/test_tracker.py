@@ -166,7 +166,7 @@ def test_a_lead_car_that_drives_on_moves_but_a_wrong_distance_does_not(
     tracker = track(Motion(8.0), seconds=1.0)
     for _ in range(4):
         tracker.see_motion(0, np.array([along_mps, 0.0]), np.array([0.3, 0.25]), own_mps)
-    assert (tracker.table.state[0, 2] > 0.6 * along_mps) is moves
+    assert bool(tracker.table.state[0, 2] > 0.6 * along_mps) is moves
 
 
 def test_repeated_observations_count_by_the_way_that_makes_them_new() -> None:

@@ -99,8 +99,8 @@ class SceneTracker:
     def update(self, found: Detections, fresh: float | Floats, in_sight_s: Floats, ego_s_m: float) -> None:
         """Correct tracks by their detections and begin new ones.
 
-        A detection adds its gain times `fresh`, one or (N,), the share by which it is independent of the last. `in_sight_s` (K,) is
-        the time since the last frame, of tracks that should be detected, or a small part of it.
+        A detection adds its gain times `fresh`, one or (N,), the share by which it is independent of the last.
+        `in_sight_s` (K,) is the time since the last frame, of tracks that should be detected, or a small part of it.
         """
         current = ~self._outdated(found)
         found, fresh = found.chosen(current), np.broadcast_to(fresh, len(found))[current]
@@ -162,7 +162,7 @@ class SceneTracker:
         A wrong distance of the track looks like motion along the road, by a share of the own speed.
         """
         table = self.table
-        least = np.maximum(LEAST_MPS, SURE_SIGMAS * sigma_mps) + [DISTANCE_SHARE * own_mps, 0.0]
+        least = np.maximum(LEAST_MPS, SURE_SIGMAS * sigma_mps) + np.array([DISTANCE_SHARE * own_mps, 0.0])
         moves = bool(np.any(np.abs(velocity_mps) > least))
         table.moved[row] = min(max(table.moved[row] + (1.0 if moves else -1.0), 0.0), 2.0 * SURE_FRAMES)
         if table.moved[row] < SURE_FRAMES or not moves:
