@@ -76,6 +76,17 @@ def test_an_honest_run_is_verified_wherever_it_lies(run: Path, capsys: pytest.Ca
     assert said.endswith("verified\n")
 
 
+def test_a_run_that_compares_drivers_is_verified_in_any_order_of_theirs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / NAME).write_text(SHORT)
+    vpf_sim.sweep(NAME, driver=["stanley", "neutral"], seeds=SEEDS, out=tmp_path / "run", workers=1, progress=False)
+    (comparison,) = json.loads((tmp_path / "run" / "summary.json").read_text())["comparisons"]
+    assert (comparison["driver"], comparison["minus"]) == ("stanley", "neutral")
+    assert verified(tmp_path / "run", capsys, "--share", "0.5")["ok"]
+
+
 def test_an_edited_record_is_found(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     before = json.loads((run / "episodes.jsonl").read_text().splitlines()[0])["path_mse_m2"]
     edited(run, JOBS[0], lambda row: row.update(path_mse_m2=0.001))

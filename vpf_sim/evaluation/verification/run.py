@@ -37,8 +37,8 @@ class Run:
 
     @cached_property
     def jobs(self) -> list[Job]:
-        """The planned episodes, sorted by id."""
-        return sorted(self.plan.jobs(), key=lambda job: job.id)
+        """The planned episodes in the plan's order, which says what is compared with what."""
+        return self.plan.jobs()
 
     @property
     def records_sha256(self) -> str:
