@@ -30,7 +30,7 @@ from vpf_sim.evaluation.metrics.registry import DRIVING_SCORE
 from vpf_sim.evaluation.sweeps.plan import Plan, make_plan, read_plan
 from vpf_sim.files import write_text
 from vpf_sim.reporting.abilities import ALL, TITLES
-from vpf_sim.reporting.kit.table import NONE, Cell, Table, Value, formatted, interval_text
+from vpf_sim.reporting.kit.page import NONE, Cell, Table, Value, formatted, interval_text
 from vpf_sim.reporting.run_data import StoredRun, open_run
 from vpf_sim.types import Floats
 

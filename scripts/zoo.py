@@ -27,7 +27,7 @@ from vpf_sim.evaluation.metrics.registry import CLEARANCE, DRIVING_SCORE
 from vpf_sim.files import write_bytes, write_text
 from vpf_sim.reporting import overlay
 from vpf_sim.reporting.kit.clip import jpeg
-from vpf_sim.reporting.kit.table import NONE, Table, Value, interval_text
+from vpf_sim.reporting.kit.page import NONE, Table, Value, interval_text
 from vpf_sim.reporting.redraw import redrawing
 from vpf_sim.reporting.run_data import StoredRun, open_run
 from vpf_sim.types import Image

@@ -6,13 +6,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "design.md").read_text("utf-8")
-FIGURE = runpy.run_path(str(ROOT / "scripts" / "pipeline_figure.py"))
+FIGURE = runpy.run_path(str(ROOT / "scripts" / "figures" / "pipeline_figure.py"))
 MOST_WORDS = 3000
 
 
 def test_the_committed_figure_is_what_the_script_draws() -> None:
     committed = (ROOT / "docs" / "pictures" / "pipeline.svg").read_text("utf-8")
-    assert committed == FIGURE["picture"](), "draw it again: python scripts/pipeline_figure.py"
+    assert committed == FIGURE["picture"](), "draw it again: python scripts/figures/pipeline_figure.py"
 
 
 def test_every_stage_has_a_row() -> None:

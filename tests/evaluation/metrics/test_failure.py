@@ -44,6 +44,18 @@ OF_A_COMMAND = (  # the last row has none, nor a perception
 UNPERCEIVED: Change = dict.fromkeys(
     ("objects_right", "objects_wrong", "seen_left_m", "seen_right_m", "near_confirmed_m", "near_sticks_out_m"), np.nan
 )
+
+
+def late_edges(wrong_s: float, unseen_s: float) -> Change:
+    """Edges that are wrong when the last two seconds begin, then not seen, then right."""
+    into_s = TIME_S - (DRIVEN_S - 2.0) + 0.01
+    stages = [into_s < wrong_s, into_s < wrong_s + unseen_s]
+    return {
+        "seen_left_m": np.select(stages, [-3.8, np.nan], -5.0),
+        "seen_right_m": np.select(stages, [6.2, np.nan], 5.0),
+    }
+
+
 UNPLANNED: Change = {"reference_mps": np.nan, "heading_error_rad": np.nan}
 STANDING: Change = {"speed_mps": STOPPED, "reference_mps": 0.0, "free_m": np.where(STOPPED > 0.0, np.nan, 6.0)}
 
@@ -54,6 +66,9 @@ STANDING: Change = {"speed_mps": STOPPED, "reference_mps": 0.0, "free_m": np.whe
         ("planning", {}),
         ("missed", {"near_confirmed_m": np.nan, "near_sticks_out_m": np.nan}),
         ("missed", {"near_sticks_out_m": np.nan}),  # lost again
+        ("planning", {"near_confirmed_m": np.nan, "near_sticks_out_m": np.nan, "near_bearing_rad": -1.2}),  # beside it
+        ("planning", {"near_sticks_out_m": np.nan, "near_bearing_rad": 0.9}),  # passed, and turned into
+        ("missed", {"near_confirmed_m": np.nan, "near_bearing_rad": np.where(TO_GO_M < 5.0, 0.9, 0.6)}),
         ("late", {"near_confirmed_m": np.where(TO_GO_M < 3.0, 3.0, np.nan)}),
         ("planning", {"near_confirmed_m": np.where(TO_GO_M < 6.0, 6.0, np.nan)}),  # 4.2 m are needed
         ("misplaced", {"near_sticks_out_m": 0.6}),
@@ -83,6 +98,9 @@ def test_collisions(failure: Failure | None, change: Change) -> None:
         ("planning", {"seen_right_m": 5.3}),
         ("control", {"heading_error_rad": 0.4}),
         ("planning", {"seen_right_m": np.where(TIME_S < 5.0, 6.2, 5.0)}),  # long before
+        ("misplaced", late_edges(wrong_s=0.6, unseen_s=0.5)),
+        ("missed", late_edges(wrong_s=0.5, unseen_s=0.6)),
+        ("planning", late_edges(wrong_s=0.4, unseen_s=0.5)),
         (None, {**UNPERCEIVED, **UNPLANNED}),
     ],
 )

@@ -5,7 +5,7 @@ The first that applies:
     hit         another vehicle caused the collision, as nuPlan sees it
     blocked     the car stood, or crept, where nothing as wide as the car was free across the road
     false       perception: it stood, or was hit, because of a reported obstacle that is not there
-    missed      perception: the obstacle that it hit was not reported, or the road that it left not seen
+    missed      perception: the obstacle that it hit was ahead and not reported, or the road that it left not seen
     late        perception: the obstacle was reported when the car could no longer stop before it
     misplaced   perception: the obstacle stuck out of what was reported, or the road's edges lay elsewhere
     control     the car was off the heading or above the speed of its plan
@@ -29,6 +29,7 @@ PERCEPTION: tuple[Failure, ...] = ("false", "missed", "late", "misplaced")
 BEFORE_S = 2.0  # of a collision or of leaving the road: what was perceived then counts
 STANDING_S, STANDING_MPS = 6.0, 0.5  # of the end of a drive that got stuck
 BRAKING_MPS2, REACTION_S = 6.0, 0.3  # of a stop before what was reported
+SIGHT_RAD = 0.25 * np.pi  # off the heading: what is farther to a side, no forward camera sees
 STICKS_OUT_M = 0.4
 EDGE_M = 0.5
 WRONG_M = 15.0  # a false obstacle that is nearer stops the car
@@ -84,16 +85,17 @@ def _of_collision(frames: _Frames, perceives: bool) -> Failure | None:
     if not perceives:
         return None
     table = frames.table
+    unseen: Failure | None = "missed" if (np.abs(frames.of("near_bearing_rad")) < SIGHT_RAD).any() else None
     confirmed_m = float(frames.of("near_confirmed_m")[-1])
     if np.isnan(confirmed_m):
-        return "missed"
+        return unseen
     first = int(np.argmax(table.near_confirmed_m == confirmed_m))
     if confirmed_m < _stopping_m(float(table.speed_mps[first])):
         return "late"
     sticks_out = frames.of("near_sticks_out_m")
     seen = sticks_out[np.isfinite(sticks_out)]
     if not len(seen):  # reported once, and lost
-        return "missed"
+        return unseen
     return "misplaced" if frames.mostly(seen > STICKS_OUT_M) else None
 
 
@@ -103,9 +105,10 @@ def _of_leaving(frames: _Frames) -> Failure | None:
     if not true.any():
         return None
     worst = np.fmax(*np.abs(errors))[true]
-    if frames.mostly(np.isnan(worst)):
-        return "missed"
-    return "misplaced" if frames.mostly(worst[np.isfinite(worst)] > EDGE_M) else None
+    unseen, wrong = np.isnan(worst), worst > EDGE_M
+    if not frames.mostly(unseen | wrong):
+        return None
+    return "missed" if unseen.sum() > wrong.sum() else "misplaced"
 
 
 def _of_standing(frames: _Frames, perceives: bool) -> Failure | None:

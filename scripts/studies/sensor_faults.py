@@ -1,7 +1,7 @@
 """Success of drivers with sensor faults: by drop rate, latency, and each other fault.
 
-    python scripts/sensor_faults.py --seeds 0:3 --out DIR [--driver D]... [--base town04]... [--weather W] [--only WORD]
-        [--workers N] [--resume]
+    python scripts/studies/sensor_faults.py --seeds 0:3 --out DIR [--driver D]... [--base town04]... [--weather W]
+        [--only WORD] [--workers N] [--resume]
 
 Each row is a scenario with one fault, stored as a file in DIR, on the same roads as the first row. A cell has the
 successes, their least clearance, and the seeds that failed; `vpf-sim video` re-renders them.

@@ -1,6 +1,6 @@
 """Draw the README's moving picture: the camera's frames beside what the driver detects and plans.
 
-python scripts/moving_picture.py docs/pictures/town04-rain.webp
+python scripts/figures/moving_picture.py docs/pictures/town04-rain.webp
 """
 
 import io

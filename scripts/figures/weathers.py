@@ -1,7 +1,7 @@
 """Draw an image of one pose in six weathers, or in others by their names.
 
-python scripts/weathers.py docs/pictures/weathers.jpg
-python scripts/weathers.py docs/pictures/night.jpg ClearNight WetNight HardRainNight ClearDusk
+python scripts/figures/weathers.py docs/pictures/weathers.jpg
+python scripts/figures/weathers.py docs/pictures/night.jpg ClearNight WetNight HardRainNight ClearDusk
 """
 
 import sys

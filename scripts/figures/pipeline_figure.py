@@ -12,7 +12,7 @@ from vpf_sim.pipeline import Stage
 from vpf_sim.planning import variant
 from vpf_sim.types import Camera, VehicleModel
 
-PICTURE = Path(__file__).parents[1] / "docs" / "pictures" / "pipeline.svg"
+PICTURE = Path(__file__).parents[2] / "docs" / "pictures" / "pipeline.svg"
 SETUP = DriverSetup(Camera(), VehicleModel(), 60.0, 5.55, (100.0, 0.0), seed=0)
 LEFT, TOP, ROW, COLUMN, BOX, BOTTOM = 16, 124, 26, 30, 170, 80
 INK, FAINT, COMMON, ROBUST = "#222", "#999", "#d6e6f5", "#fbe3c4"
