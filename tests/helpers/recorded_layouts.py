@@ -253,7 +253,7 @@ def udacity(folder: Path) -> Path:
             rest = f"{wheel[k]:.9f},0.1,{known.speed_mps[k]:.9f},{latitude[k]:.12f},{longitude[k]:.12f},8.1"
             rows.append(f"{stamp},{stamp},640,480,{side}_camera,{name},{rest}")
     names = [f"{int(CLOCK_S) * 10**9 + round(time * 1e9)}.png" for time in known.times_s]
-    pictures(folder / "center", names, 320, 240)
+    pictures(folder / "center", names)
     (folder / "interpolated.csv").write_text("\n".join(rows) + "\n")
     return folder
 

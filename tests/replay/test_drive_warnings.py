@@ -82,7 +82,7 @@ def painted(paint: Callable[[Any], None]) -> Bools:
 )
 def test_what_is_fixed_to_the_camera_is_warned_of(paint: Callable[[Any], None], third: str) -> None:
     warning = found_warnings(fixed=painted(paint))["fixed to the camera"]
-    assert f"most in the {third}" in warning
+    assert f"most of it in the {third}" in warning
 
 
 def test_a_lead_vehicle_and_specks_are_not_warned_of() -> None:

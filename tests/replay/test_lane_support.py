@@ -33,7 +33,7 @@ def found_share(folder: Path, radius_m: float = np.inf, **made: Any) -> float:
         ("ClearNight", ()),
         pytest.param("WetNight", (), marks=pytest.mark.slow),
         pytest.param("ClearNight", ("kerbs",), marks=pytest.mark.slow),
-        ("CloudyNight", ("marks",)),
+        pytest.param("CloudyNight", ("marks",), marks=pytest.mark.slow),
     ],
     ids=["night", "wet night", "kerbs", "crosswalks"],
 )

@@ -277,6 +277,7 @@ def _course(recording: Recording) -> np.ndarray[tuple[int], np.dtype[np.float64]
 
 
 @needs_drives
+@pytest.mark.slow
 def test_bare_video_is_calibrated() -> None:
     recording = readers.read(DRIVES / "carnd_highway")
     horizon = recording.camera.cy_px - recording.camera.fy_px * np.tan(recording.camera.pitch_rad)

@@ -19,7 +19,7 @@ BY_FLOW = {"speed_mps": Origin("derived", "by the flow", frozenset({IMAGES})), "
     ("made", "camera", "remedy"),
     [
         ({"across_deg": 90.0, "speed_mps": 5.0}, "", "field_of_view_deg"),
-        ({"across_deg": 45.0, "speed_mps": 12.0}, "", "field_of_view_deg"),
+        pytest.param({"across_deg": 45.0, "speed_mps": 12.0}, "", "field_of_view_deg", marks=pytest.mark.slow),
         ({"height_m": 2.3, "lines": False}, "field_of_view_deg = 60.0", "height_m"),
         ({"across_deg": 90.0}, "field_of_view_deg = 90.0\nheight_m = 1.4", ""),
     ],

@@ -59,7 +59,7 @@ def _with_signal_faults(recording: Recording, faults: SensorFaults, seed: int) -
 
 
 def with_water(recording: Recording, weather: Weather, seed: int = 0) -> Recording:
-    """The recording seen through a weather's drops, water film and wiper."""
+    """The recording through a weather's drops, water film and wiper."""
     if weather.droplets <= 0.0:
         raise InputError(
             f"--water: expected a weather with droplets > 0, got '{weather.name}' with {weather.droplets:g}"

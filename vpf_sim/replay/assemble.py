@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 from itertools import islice
 from pathlib import Path
 
@@ -31,7 +31,7 @@ LEAST_BLIND_SHARE = 0.05  # of the frames, above which a note says so
 FIRST_FRAMES = 5  # checked for brightness
 
 
-@dataclass(slots=True)
+@dataclass
 class Source:
     """Recorded signals in our axes and units at the N frames; absent signals are unknown."""
 
@@ -56,16 +56,21 @@ class Source:
     no_images: str = ""
     files: Sequence[Path | None] = ()  # images and other files it is read from; some may be missing
     bridged: dict[str, Bools] = field(default_factory=dict)  # (N,) by signal, where it is interpolated over a gap
-    _fixed: list[FixedStructure | None] = field(default_factory=list)  # once it was looked for
+
+    @cached_property
+    def _fixed(self) -> FixedStructure | None:
+        """What is fixed to the camera, in frames that are reduced in size but not rectified."""
+        frames = rectified_frames(self.frames(), lambda image: shrunk(image, self._reduced))
+        return fixed_structure.find(frames, self.times_s)
+
+    @property
+    def _reduced(self) -> Lens:
+        return reduced(self.lens, reduction(self.lens.width_px))
 
     def fixed(self, mounting: Mounting) -> FixedStructure | None:
-        """What is fixed to the camera, in frames that are rectified for a mounting; it is looked for once."""
-        small = reduced(self.lens, reduction(self.lens.width_px))
-        if not self._fixed:
-            frames = rectified_frames(self.frames(), lambda image: shrunk(image, small))
-            self._fixed.append(fixed_structure.find(frames, self.times_s))
-        found = self._fixed[0]
-        return found and found.rectified(rectified(small, mounting)[1])
+        """What is fixed to the camera, in frames that are rectified for a mounting."""
+        found = self._fixed
+        return found and found.rectified(rectified(self._reduced, mounting)[1])
 
     def checked(self, name: str, values: Floats, how: str, kind: Kind = "recorded") -> Floats:
         """Values (M,) or (M, 3) at any times, with impossible ones replaced by nan."""

@@ -153,7 +153,7 @@ def _scene_flow(tracker: FlowTracker, image: Image, along_m: float, fixed: Fixed
 
 
 def _moves(flow: Flow, camera: Camera, fixed: FixedStructure | None) -> bool | None:
-    """Whether the car moves; None where a scene that stands looks the same as what is fixed to the camera."""
+    """Whether the car moves; None where a stationary scene looks the same as what is fixed to the camera."""
     if flow_derotation.moves(flow, camera):
         return True
     is_visible = fixed is not None and fixed.leaves_scene and len(flow) >= flow_derotation.LEAST_POINTS

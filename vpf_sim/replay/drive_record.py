@@ -183,12 +183,9 @@ def _missing(what: str, share: float | None, then: str) -> Iterator[DriveWarning
 
 
 def _fixed(fixed: FixedStructure | None) -> Iterator[DriveWarning]:
-    if fixed is None or not fixed.is_visible:
-        return
-    third = THIRDS[int(np.argmax([part.mean() for part in np.array_split(fixed.aside, 3)]))]
-    why = (
-        f"{100.0 * fixed.aside.mean():.1f} % of the image stays in place while the car moves, most in the {third} third"
-    )
-    yield DriveWarning(
-        "fixed to the camera", f"{why}: a bonnet, a text, or dirt, drops or reflections on the windscreen"
-    )
+    if fixed is not None and fixed.is_visible:
+        mask = fixed.off_centre
+        third = THIRDS[int(np.argmax([part.mean() for part in np.array_split(mask, 3)]))]
+        where = f"{100.0 * mask.mean():.1f} % of the image, most of it in the {third} third"
+        what = "a bonnet, a text, or dirt, drops or reflections on the windscreen"
+        yield DriveWarning("fixed to the camera", f"{where}, does not move while the car does: {what}")

@@ -19,11 +19,11 @@ LONGEST_S, APART_S, MOST_FRAMES = 60.0, 0.15, 30  # of the sampled part, between
 FEWEST_FRAMES = 6  # that differ, below which nothing is known
 CELL_PX, CHANGED_LEVELS, CHANGED_SHARE = 16, 3.0, 0.1  # a frame differs if such a share of its cells has changed
 LEAST_LEVELS, COHERENT = 3.0, 0.7  # grey levels a pixel; size of the mean gradient over the root mean square
-WINDOW_PX, CORNER_LEVELS, CORNER_RATIO = 11, 1.0, 0.1  # of the structure tensor of what stays
+WINDOW_PX, CORNER_LEVELS, CORNER_RATIO = 11, 1.0, 0.1  # of the structure tensor of the fixed gradients
 MARGIN_PX, FILL_PX = 2, 31
-MOST_SHARE = 0.6  # of the road's part of the image, above which it may be a scene that stands still
+MOST_SHARE = 0.6  # of the road's part of the image, above which it may be a stationary scene
 MIDDLE = 0.19, 0.81, 0.17, 0.75  # left, right, top, bottom: where a lead vehicle or the far road may stay in place, too
-LEAST_ASIDE = 0.002  # of the image
+LEAST_VISIBLE = 0.002  # of the image
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,17 +38,17 @@ class FixedStructure:
         return bool(self.mask[len(self.mask) // 2 :].mean() < MOST_SHARE)
 
     @property
-    def aside(self) -> Bools:
+    def off_centre(self) -> Bools:
         """(H, W) the mask without the middle of the image."""
         (height, width), (left, right, top, bottom) = self.mask.shape, MIDDLE
-        aside = self.mask.copy()
-        aside[round(top * height) : round(bottom * height), round(left * width) : round(right * width)] = False
-        return aside
+        result = self.mask.copy()
+        result[round(top * height) : round(bottom * height), round(left * width) : round(right * width)] = False
+        return result
 
     @property
     def is_visible(self) -> bool:
         """Whether a person would see it in the image."""
-        return bool(self.aside.mean() > LEAST_ASIDE)
+        return bool(self.off_centre.mean() > LEAST_VISIBLE)
 
     def rectified(self, rectify_image: Callable[[Image], Image]) -> "FixedStructure":
         """The same in images that this function rectifies."""
@@ -118,5 +118,5 @@ def _has_corner(gradient: Floats) -> Bools:
     x, y = gradient
     window = (WINDOW_PX, WINDOW_PX)
     xx, yy, xy = (cv2.blur(part, window) for part in (x * x, y * y, x * y))
-    middle, swing = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
-    return np.asarray((middle - swing > CORNER_LEVELS**2) & (middle - swing > CORNER_RATIO * (middle + swing)))
+    middle, spread = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
+    return np.asarray((middle - spread > CORNER_LEVELS**2) & (middle - spread > CORNER_RATIO * (middle + spread)))

@@ -18,7 +18,7 @@ from vpf_sim.types import Camera, Expansion, Floats, Flow, Image
 
 PASSES = 3
 PROBE_RAD = 1e-3  # small rotation for the derivative of the flow
-STILL_PXPS = 3.0  # below this a point stands
+STILL_PXPS = 3.0  # below this a point is stationary
 CLEARLY_PXPS = 10.0  # above this a point clearly moves
 MOVING_SHARE = 0.5  # of moving points, above which the car moves
 LEAST_POINTS, LEAST_ON_A_SIDE = 12, 3  # least expanding points, where fewer points move

@@ -1,8 +1,8 @@
 """The model vehicle that a driver steers in open loop, a kinematic bicycle; and the segments of its drive.
 
-Nobody carries out the driver's commands on a recording, so its steering integrator would reach its limit. As in the
+A recording does not carry out the driver's commands, so its steering integrator would reach its limit. As in the
 paper ("the initial speed for the vehicle model is set according to the information provided by the dataset"), a model
-carries them out. It starts each segment at the recorded position and speed and stays abreast of the camera: its
+carries them out. It starts each segment at the recorded position and speed and keeps level with the camera: its
 lateral motion follows its steering over the recorded distance, its speed is its own. As in the paper, the goal is the
 last pose of the segment, and the speed to keep is the recorded one at its start.
 """

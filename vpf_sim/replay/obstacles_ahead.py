@@ -27,7 +27,7 @@ CAP_S = 20.0  # longest finite time to contact
 
 
 def has_obstacle_in_corridor(perception: Perception) -> bool:
-    """Whether an obstacle stands in the corridor along the lane, at most REACH_M ahead."""
+    """Whether an obstacle is in the corridor along the lane, at most REACH_M ahead."""
     obstacles, road = perception.obstacles, perception.road
     lane_m = obstacles.forward_m * np.sin(road.heading_rad) + 0.5 * road.curvature_per_m * obstacles.forward_m**2
     beside = np.maximum(obstacles.left_m - lane_m, lane_m - obstacles.right_m)

@@ -31,7 +31,7 @@ class Drive:
     """One drive's section of the page."""
 
     name: str
-    answer: str
+    summary: str
     clip: Clip | None
     plots: tuple[Figure, ...]
 
@@ -61,10 +61,10 @@ def title(records: Sequence[DriveRecord]) -> str:
 
 def _drive(folder: Path, record: DriveRecord) -> Drive:
     drawn = plots(frame_table.read(table_path(folder, record.name)), record)
-    return Drive(record.name, answer(record), Clip.of_file(video_path(folder, record.name), folder), tuple(drawn))
+    return Drive(record.name, summary_of(record), Clip.of_file(video_path(folder, record.name), folder), tuple(drawn))
 
 
-def answer(record: DriveRecord) -> str:
+def summary_of(record: DriveRecord) -> str:
     """Length of a drive, and the agreement of throttle and steering with the human's."""
     length = f"{record.frames} frames, {record.seconds:.0f} s"
     if record.error is not None:

@@ -52,7 +52,7 @@ def poses(north_east_m: Floats, heading_rad: Floats) -> Floats:
 
 
 def course(times_s: Floats, north_east_m: Floats) -> Floats:
-    """(N,) rad clockwise from north, direction of travel; held while the vehicle stands."""
+    """(N,) rad clockwise from north, direction of travel; held while the vehicle is stationary."""
     flat = [series.filled(times_s, part)[0] for part in north_east_m.T]
     if len(times_s) < 2 or not np.isfinite(flat).all():
         return np.zeros(len(times_s))

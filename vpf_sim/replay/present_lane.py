@@ -6,7 +6,7 @@ car holds course and speed (`open_loop_driver`).
 
 A tracker predicts a lane where it finds none, and fits one to textures, reflections and the light of head lamps. So the
 image is read again along both lines: averaged over their rows and over a second, the grain of a road and lights vanish,
-and a line stands out as a narrow peak.
+and a line is a narrow peak.
 """
 
 from collections import deque
@@ -126,15 +126,15 @@ class LaneSupport:
 
     def _is_supported(self, paint: Floats, edge: Floats) -> bool:
         """By profiles (N, 2, R, O) of the last second: one line is paint, the other paint or an edge."""
-        painted = [self._stands_out(paint[:, side], PAINT_LEVELS) for side in range(2)]
+        painted = [self._has_peak(paint[:, side], PAINT_LEVELS) for side in range(2)]
         if all(painted):
             return True
-        clear = [self._stands_out(paint[:, side], CLEAR_LEVELS) for side in range(2)]
+        clear = [self._has_peak(paint[:, side], CLEAR_LEVELS) for side in range(2)]
         step = np.abs(_mean(edge))[:, None, None]
-        edged = [self._stands_out(step[side], EDGE_LEVELS) for side in range(2)]
+        edged = [self._has_peak(step[side], EDGE_LEVELS) for side in range(2)]
         return (clear[0] and edged[1]) or (clear[1] and edged[0])
 
-    def _stands_out(self, values: Floats, least_levels: float) -> bool:
+    def _has_peak(self, values: Floats, least_levels: float) -> bool:
         """Whether the mean of profiles (N, R, O) has a peak on the line."""
         if np.count_nonzero(np.isfinite(values).any(axis=(0, 2))) < min(LEAST_ROWS, values.shape[1]):
             return False

@@ -282,7 +282,7 @@ Hashes = dict[str, dict[str, str]]  # of what was `read` and what was `derived` 
 
 
 class ReplayPlan(Schema):
-    """What was asked for; `drives` has the folder of each by its name."""
+    """What was requested; `drives` has the folder of each by its name."""
 
     driver: str
     water: str | None = None

@@ -146,7 +146,7 @@ def time_to_contact(table: FrameTable) -> records.Contact | None:
     """Errors against the gap to the lead vehicle; None if it is not recorded.
 
     median_error: |TTC - true| / true where the gap closes faster than 0.5 m/s, over frames with a TTC;
-    within_25_percent and seen: their shares. false_alarms: share of frames below 4 s while both stand.
+    within_25_percent and seen: their shares. false_alarms: share of frames below 4 s while both are stationary.
     """
     if not np.isfinite(table.lead_gap_m).any():
         return None

@@ -180,7 +180,7 @@ def perception(records: Sequence[DriveRecord]) -> Table:
     note = (
         "FOE: median error of the focus of expansion, recorded rotation removed; own: without recorded rotation; "
         "spread: interquartile range; yaw rate: median error by the flow; speed scale: by the road's flow / recorded; "
-        "TTC: to the lead vehicle where the gap closes faster than 0.5 m/s; false alarms: below 4 s while both stand."
+        "TTC: to the lead vehicle where the gap closes faster than 0.5 m/s; false alarms: below 4 s at standstill."
     )
     return Table(
         ("drive", *foe, "yaw rate rad/s", "speed scale", "TTC error %", "within 25 %", "false alarms %"),

@@ -62,7 +62,7 @@ def _segments(folder: Path) -> list[Path]:
 
 
 def _only_segment(folder: Path) -> Path:
-    """"""
+    """The folder of the only segment; InputError where there are several."""
     segments = _segments(folder)
     if len(segments) > 1:
         names = ", ".join(path.name for path in segments[:8])
@@ -129,7 +129,7 @@ def _poses(source: assemble.Source, position_m: Floats, quaternion: Floats, velo
     moved = np.einsum("nji,nj->ni", turn, np.where(known[:, None], velocity_mps, np.nan))  # in the camera's axes
     total = moved[known & (speed > 1.0)].sum(axis=0)
     if not np.linalg.norm(total):
-        return  # it stood: the images may give the mounting
+        return  # it was stationary: the images may give the mounting
     source.mounting = mounting_from_direction(total, HEIGHT_M)
     pitch, yaw = np.degrees([source.mounting.pitch_rad, source.mounting.yaw_rad])
     angles = f"{mounting_in_words(pitch, yaw)}, by the poses"
