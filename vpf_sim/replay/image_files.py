@@ -2,7 +2,6 @@
 
 import os
 import re
-import struct
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -12,15 +11,16 @@ from typing import Any
 
 import cv2
 import numpy as np
+import PIL.Image  # comes with matplotlib
 from numpy.typing import NDArray
 
 from vpf_sim.errors import InputError
 from vpf_sim.types import Image
 
 SUFFIXES = (".png", ".jpg", ".jpeg")
+SLASHES = re.compile(r"[/\\]")
 PNG, JPEG = b"\x89PNG\r\n\x1a\n", b"\xff\xd8"
 LAST_SCAN, END_OF_IMAGE, LAST_CHUNK = b"\xff\xda", b"\xff\xd9", b"IEND"
-HEAD_BYTES = 1 << 16  # that hold the size of a JPEG, after its thumbnail
 PNG_DEPTH, DEEP = 24, b"\x10"  # position of the bit depth in a PNG; 16 bits
 DEPTHS = (8, 10, 12, 14, 16)  # bits that cameras use of 16
 SAMPLED = 5  # images per drive, for the bit depth
@@ -153,40 +153,22 @@ def _cut_off(content: bytes) -> bool:
 
 
 def _size(file: Path) -> tuple[int, int]:
-    """(width, height) px by the file's first bytes."""
+    """(width, height) px by the file's head, without decoding it."""
     try:
-        with file.open("rb") as stream:
-            head = stream.read(HEAD_BYTES)
+        with PIL.Image.open(file) as image:
+            return image.size
+    except Exception:  # Pillow raises many kinds on damaged files
+        content = _content(file)
+    if (decoded := decode(content)) is None:
+        raise InputError(f"{file}: expected an image, got {len(content)} bytes that do not decode as one")
+    return decoded.shape[1], decoded.shape[0]
+
+
+def _content(file: Path) -> bytes:
+    try:
+        return file.read_bytes()
     except OSError as error:
         raise InputError(f"{file}: expected an image, cannot be read: {error.strerror}") from None
-    found = _png_size(head) if head.startswith(PNG) else _jpeg_size(head) if head.startswith(JPEG) else None
-    if found is None and (image := decode(file.read_bytes())) is not None:
-        found = (image.shape[1], image.shape[0])
-    if found is None:
-        raise InputError(f"{file}: expected an image, got {file.stat().st_size} bytes that do not decode as one")
-    return found
-
-
-def _png_size(head: bytes) -> tuple[int, int] | None:
-    if len(head) < 24:
-        return None
-    width, height = struct.unpack(">II", head[16:24])
-    return int(width), int(height)
-
-
-def _jpeg_size(head: bytes) -> tuple[int, int] | None:
-    """By the frame header, marker SOF0 to SOF15 but for the tables DHT, JPG and DAC (ITU-T T.81, B.2.2)."""
-    at = 2
-    while at + 9 <= len(head) and head[at] == 0xFF:
-        marker, length = head[at + 1], int.from_bytes(head[at + 2 : at + 4], "big")
-        if 0xC0 <= marker <= 0xCF and marker not in (0xC4, 0xC8, 0xCC):
-            height, width = struct.unpack(">HH", head[at + 5 : at + 9])
-            return int(width), int(height)
-        at += 2 + length
-    return None
-
-
-SLASHES = re.compile(r"[/\\]")
 
 
 def name_of(path: str) -> str:
