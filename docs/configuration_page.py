@@ -23,7 +23,7 @@ HEAD = """# Configuration: every key of every TOML file
 This page is made from the sources, as is what `vpf-sim scenarios keys`, `weathers keys` and `drivers keys` print. Units
 are SI, and a part of a key's name.
 A key without a default must be given; `none` stands for no value. A wrong file is refused with a line for each fault:
-file, key, what was expected and what stands there.
+file, key, what was expected and what was found.
 """
 VARIANT = """## Variant of the driver
 `--driver vpf@FILE.toml` drives with a file of your own, which says what it changes. `base` names the variant or

@@ -158,12 +158,13 @@ class RoadAppearance(Section):
 class LaneWidths(Section):
     """The widths of all lanes at one place; between places they change linearly, beyond the ends they stay."""
 
-    s_m: Annotated[float, Field(ge=0.0, le=MOST_ROAD_M)] = Field(description="along the road")
+    s_m: Annotated[float, Field(ge=0.0, le=MOST_ROAD_M)] = Field(description="Place of the widths along the road.")
     lanes_m: Annotated[tuple[LaneWidth, ...], Field(strict=False, min_length=1, max_length=MOST_LANES)] = Field(
-        description="width of each lane, from the right"
+        description="Width of each lane, from the right."
     )
     left_edge_m: Annotated[float, Field(ge=-400.0, le=400.0)] | None = Field(
-        default=None, description="of the carriageway, right of the centre line; none: half the width to its left"
+        default=None,
+        description="Left edge of the carriageway, right of the centre line; none: half the width to its left.",
     )
 
 

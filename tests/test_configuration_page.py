@@ -10,6 +10,7 @@ import pytest
 
 from vpf_sim import cli
 from vpf_sim.configuration import setting, settings
+from vpf_sim.configuration_fields import Setting
 from vpf_sim.planning import variant
 
 SCRIPT = runpy.run_path(str(Path(__file__).parents[1] / "docs" / "configuration_page.py"))
@@ -59,3 +60,24 @@ def test_the_commands_print_the_keys(capsys: pytest.CaptureFixture[str]) -> None
         assert cli.run([command, "keys", "--json"]) == 0
         keys = {row["key"]: row for row in json.loads(capsys.readouterr().out)["keys"]}
         assert keys[key]["meaning"]
+
+
+def test_every_meaning_can_be_read_alone() -> None:
+    """Of all keys on the page: it begins as a sentence does, or with a name in code, and ends as one."""
+    rows = [line.split(" | ") for line in SCRIPT["page"]().splitlines() if line.startswith("| `")]
+    meanings = {row[0]: row[2] for row in rows if row[2].strip()}
+    assert len(meanings) > 300
+    assert {key: text for key, text in meanings.items() if not re.fullmatch(r"[A-Z`].*\.", text)} == {}
+
+
+@pytest.mark.parametrize(
+    ("key", "unit"),
+    [
+        ("odds_per_rad", "1/rad"),
+        ("feedback_rad_per_m", "rad/m"),
+        ("weight_per_m2", "1/m^2"),
+        ("limit_radps2", "rad/s^2"),
+    ],
+)
+def test_a_unit_that_is_a_quotient_is_whole(key: str, unit: str) -> None:
+    assert Setting(key, float, "", "", 0.0).unit == unit

@@ -4,8 +4,8 @@ A configuration class names its fields once, with meaning and bounds; the name's
 
     @settings
     class FlowConfig:
-        period_s: float = setting("between two tracked frames", gt=0.0)
-        max_level: int | None = setting("pyramid levels; none: as many as the fastest motion needs", ge=0)
+        period_s: float = setting("Time between two tracked frames.", gt=0.0)
+        max_level: int | None = setting("Pyramid levels; none: as many as the fastest motion needs.", ge=0)
 
 `build` fills one from a table. Every fault is a line `where: section.key: expected X, got Y`.
 """

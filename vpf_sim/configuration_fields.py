@@ -8,6 +8,9 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 UNITS = {  # by suffix, longest first
     "_px_per_s": "px/s",
+    "_rad_per_m": "rad/m",
+    "_per_rad": "1/rad",
+    "_per_m2": "1/m^2",
     "_per_s": "1/s",
     "_per_m": "1/m",
     "_radps3": "rad/s^3",

@@ -14,20 +14,22 @@ from vpf_sim.types import Bools, Floats, Image
 
 @settings
 class NoisyFrameConfig:
-    row_levels: float = setting("mean difference of unrelated neighbouring rows, in grey levels", gt=0.0)
-    rows: int = setting("number of unrelated rows in sequence that make a frame noisy", ge=1)
+    row_levels: float = setting("Mean difference of neighbouring rows that are unrelated, in grey levels.", gt=0.0)
+    rows: int = setting("Number of unrelated rows in sequence that make a frame noisy.", ge=1)
 
 
 @settings
 class BrightnessJumpConfig:
-    ratio: float = setting("largest ratio of the mean grey level to that of the last frames, or its inverse", gt=1.0)
-    frames: int = setting("number of last frames, by their median: half of them for a lasting change", ge=1)
+    ratio: float = setting("Largest ratio of the mean grey level to that of the last frames, or its inverse.", gt=1.0)
+    frames: int = setting(
+        "Number of last frames whose median counts: a lasting change is accepted after half of them.", ge=1
+    )
 
 
 @settings
 class TornFrameConfig:
-    rows: int = setting("least number of sampled rows at the bottom that repeat the last frame", ge=1)
-    usual_share: float = setting("share of frames in which these rows may repeat, as a bonnet does", gt=0.0, lt=1.0)
+    rows: int = setting("Least number of sampled rows at the bottom that repeat the last frame.", ge=1)
+    usual_share: float = setting("Share of frames in which these rows may repeat, as a bonnet does.", gt=0.0, lt=1.0)
     settled: float = setting(
         "Weight of the last frame in the share of frames whose bottom rows repeat.", gt=0.0, le=1.0
     )
@@ -35,12 +37,16 @@ class TornFrameConfig:
 
 @settings
 class FrameGateConfig:
-    sample_px: int = setting("spacing of the compared pixels, in rows and columns", ge=1)
-    flat_levels: int = setting("least difference of the brightest and darkest grey level", ge=0)
-    moved_m: float = setting("travel of the car after which no two frames are equal", gt=0.0)
-    noise: NoisyFrameConfig | None = setting("noisy frames are not processed", default=None)
-    jump: BrightnessJumpConfig | None = setting("frames much brighter or darker are not processed", default=None)
-    torn: TornFrameConfig | None = setting("frames that end with the last frame are not processed", default=None)
+    sample_px: int = setting("Spacing of the compared pixels, in rows and columns.", ge=1)
+    flat_levels: int = setting("Least difference of the brightest and darkest grey level.", ge=0)
+    moved_m: float = setting("Travel of the car after which no two frames are equal.", gt=0.0)
+    noise: NoisyFrameConfig | None = setting("Does not process noisy frames.", default=None)
+    jump: BrightnessJumpConfig | None = setting(
+        "Does not process frames that are much brighter or darker.", default=None
+    )
+    torn: TornFrameConfig | None = setting(
+        "Does not process frames that end with a part of the last frame.", default=None
+    )
 
 
 class FrameGate:

@@ -11,9 +11,9 @@ class ObjectSizes:
     """Lengths of objects by width: of most only the face is observed."""
 
     length_m: float = setting("Length of a narrow object.", default=1.0, gt=0.0)
-    car_width_m: float = setting("from which an object may be a car", default=1.0, gt=0.0)
+    car_width_m: float = setting("Width from which an object may be a car.", default=1.0, gt=0.0)
     car_length_m: float = setting("Length of a car.", default=5.5, gt=0.0)
-    truck_width_m: float = setting("from which an object may be a truck", default=2.25, gt=0.0)
+    truck_width_m: float = setting("Width from which an object may be a truck.", default=2.25, gt=0.0)
     truck_length_m: float = setting("Length of a truck.", default=9.0, gt=0.0)
 
     def __post_init__(self) -> None:

@@ -11,21 +11,21 @@ from vpf_sim.types import VehicleModel
 
 @settings
 class YawRateCheckConfig:
-    noise_radps: float = setting("largest noise of two readings, ten standard deviations of a poor sensor", ge=0.0)
-    held_s: float = setting("time after which a lasting jump is accepted", gt=0.0)
+    noise_radps: float = setting("Largest noise of two samples, ten standard deviations of a poor sensor.", ge=0.0)
+    held_s: float = setting("Time after which a lasting jump is accepted.", gt=0.0)
 
 
 @settings
 class SpeedCheckConfig:
-    stuck_s: float = setting("time without any change of the speed, over which the pose's speed is measured", gt=0.0)
+    stuck_s: float = setting("Time without any change of the speed, over which the pose's speed is measured.", gt=0.0)
     error_mps: float = setting("Largest difference to the pose's speed; `error_share` adds to it.", ge=0.0)
     error_share: float = setting("Share of the measured speed that adds to the largest difference.", ge=0.0)
 
 
 @settings
 class PlausibilityConfig:
-    yaw_rate: YawRateCheckConfig | None = setting("yaw rates that jump are replaced", default=None)
-    speed: SpeedCheckConfig | None = setting("a stuck speed is replaced by the pose's", default=None)
+    yaw_rate: YawRateCheckConfig | None = setting("Replaces yaw rates that jump.", default=None)
+    speed: SpeedCheckConfig | None = setting("Replaces a stuck speed by that of the pose.", default=None)
 
 
 class Plausibility:

@@ -46,7 +46,9 @@ class PictureInput:
     input: str = setting("Name of the model's input for the picture.", default="image")
     colour: Literal["grey", "rgb"] = setting("Whether the picture has one channel or three.", default="grey")
     frames_ago: tuple[Ago, ...] = setting(
-        "which frames are stacked along the channels, in order: of how many decisions ago", default=(0,), min_length=1
+        "Frames that are stacked along the channels, in order, by the number of decisions since.",
+        default=(0,),
+        min_length=1,
     )
     mean: float = setting("Grey level that is subtracted.", default=0.0)
     deviation: float = setting("Grey levels that count as 1.", default=255.0, gt=0.0)

@@ -9,34 +9,36 @@ from vpf_sim.configuration import setting, settings
 class NoiseModel:
     """Noise of a track: the window's follows the structure tensor, chaining adds to it frame by frame."""
 
-    grey_levels: float = setting("noise of a pixel", default=5.0, ge=0.0)
-    floor_px: float = setting("noise that texture cannot reduce", default=0.1, ge=0.0)
-    growth_s: float = setting("in which the variance grows by its initial value", default=0.17, gt=0.0)
-    anisotropy: float = setting("share of a tensor's large eigenvalue in its small one", default=0.04, ge=0.0)
-    pitch_rad: float = setting("standard deviation of the camera's pitch", default=0.0005, ge=0.0)
+    grey_levels: float = setting("Standard deviation of a pixel's noise, in grey levels.", default=5.0, ge=0.0)
+    floor_px: float = setting("Noise of a track that texture cannot reduce.", default=0.1, ge=0.0)
+    growth_s: float = setting("Time in which the variance of a track grows by its initial value.", default=0.17, gt=0.0)
+    anisotropy: float = setting(
+        "Share of a structure tensor's large eigenvalue that adds to its small one.", default=0.04, ge=0.0
+    )
+    pitch_rad: float = setting("Standard deviation of the camera's pitch.", default=0.0005, ge=0.0)
 
 
 @settings
 class Band:
     """A strip of the image with its own share of the corners, so that one strong edge does not starve the far road."""
 
-    top: float = setting("tangent of the angle below the horizon")
-    bottom: float = setting("tangent of the angle below the horizon")
-    share: float = setting("of all points", gt=0.0, le=1.0)
+    top: float = setting("Tangent of the angle below the horizon of the band's upper end.")
+    bottom: float = setting("Tangent of the angle below the horizon of the band's lower end.")
+    share: float = setting("Share of all points in the band.", gt=0.0, le=1.0)
 
 
 @settings
 class CornerTestConfig:
-    texture_floor: float = setting("least small eigenvalue of the structure tensor, grey levels^2 / px^2", ge=0.0)
-    corner_ratio: float = setting("least ratio of the small to the large eigenvalue", ge=0.0, lt=1.0)
+    texture_floor: float = setting("Least small eigenvalue of the structure tensor, grey levels^2 / px^2.", ge=0.0)
+    corner_ratio: float = setting("Least ratio of the small to the large eigenvalue.", ge=0.0, lt=1.0)
 
 
 @settings
 class WiperConfig:
-    hold_s: float = setting("longest time for which a covered point is predicted and searched for", gt=0.0)
-    swept_share: float = setting("share of the points that must jump in one frame", gt=0.0, lt=1.0)
-    swept_least: int = setting("least number of points that must jump in one frame", ge=1)
-    covered_levels: float = setting("mean difference of the window from which a point is covered", gt=0.0)
+    hold_s: float = setting("Longest time for which an occluded point is predicted and searched for.", gt=0.0)
+    swept_share: float = setting("Share of the points that must jump in one frame.", gt=0.0, lt=1.0)
+    swept_least: int = setting("Least number of points that must jump in one frame.", ge=1)
+    covered_levels: float = setting("Mean difference of the window from which a point is occluded.", gt=0.0)
     covered_ratio: float = setting(
         "Difference of the window from which a point counts as occluded, as a multiple of the median difference.",
         gt=1.0,
@@ -49,14 +51,14 @@ class WindscreenPointConfig:
     still_share: float = setting(
         "Share of the scene's motion that adds to the largest motion of a windscreen point.", ge=0.0
     )
-    least_px: float = setting("least motion of the scene for a decision", gt=0.0)
-    loose_px: float = setting("motion in a window that frees a point", gt=0.0)
+    least_px: float = setting("Least motion of the scene for a decision.", gt=0.0)
+    loose_px: float = setting("Motion in a window that frees a point.", gt=0.0)
 
 
 @settings
 class SettledPointConfig:
-    kept_share: float = setting("share of a band that old points may fill", gt=0.0, le=1.0)
-    age_windows: int = setting("age of an old point in windows", ge=1)
+    kept_share: float = setting("Share of a band that old points may fill.", gt=0.0, le=1.0)
+    age_windows: int = setting("Age of an old point in windows.", ge=1)
     residual_px: float = setting(
         "Largest residual of a settled point to the road's flow; `residual_share` adds to it.", ge=0.0
     )
@@ -69,23 +71,29 @@ class SettledPointConfig:
 class FlowConfig:
     """How corners are detected and tracked."""
 
-    period_s: float = setting("between two tracked frames; the frames between are predicted by odometry", ge=0.0)
-    window_px: int = setting("side of the Lucas-Kanade window, odd", ge=3)
-    epsilon_px: float = setting("step at which Lucas-Kanade stops", gt=0.0)
+    period_s: float = setting("Time between two tracked frames; the frames between are predicted by odometry.", ge=0.0)
+    window_px: int = setting("Side of the Lucas-Kanade window, an odd number.", ge=3)
+    epsilon_px: float = setting("Step at which Lucas-Kanade stops.", gt=0.0)
     window_s: float = setting("Time over which the points of frames are chained.", gt=0.0)
-    points: int = setting("tracked at most", ge=8)
-    quality: float = setting("least Shi-Tomasi response as a share of the best", gt=0.0, lt=1.0)
-    min_distance_px: float = setting("between two points", gt=0.0)
-    detect_period_s: float = setting("between two searches of a band for corners", gt=0.0)
-    reach_px_per_s: float = setting("fastest motion that is tracked", gt=0.0)
-    max_level: int | None = setting("pyramid levels; none: as many as `reach_px_per_s` needs", default=None, ge=0)
-    forward_backward_px: float | None = setting("largest distance after tracking back", default=None, gt=0.0)
-    keyframe_s: float | None = setting("age at which a first observation is renewed", default=None, gt=0.0)
-    bands: tuple[Band, ...] | None = setting("strips that share the points; none: one", default=None, min_length=1)
-    corner_test: CornerTestConfig | None = setting("drop points where Lucas-Kanade slides", default=None)
-    wiper: WiperConfig | None = setting("predict points that a wiper covers, search for them afterwards", default=None)
-    windscreen_points: WindscreenPointConfig | None = setting("mark drops and dirt on the windscreen", default=None)
-    settled_points: SettledPointConfig | None = setting("drop old points of the flat road for new ones", default=None)
+    points: int = setting("Largest number of tracked points.", ge=8)
+    quality: float = setting("Least Shi-Tomasi response as a share of the best.", gt=0.0, lt=1.0)
+    min_distance_px: float = setting("Least distance between two points.", gt=0.0)
+    detect_period_s: float = setting("Time between two searches of a band for corners.", gt=0.0)
+    reach_px_per_s: float = setting("Fastest motion that is tracked.", gt=0.0)
+    max_level: int | None = setting("Pyramid levels; none: as many as `reach_px_per_s` needs.", default=None, ge=0)
+    forward_backward_px: float | None = setting(
+        "Largest distance of a point after tracking it back.", default=None, gt=0.0
+    )
+    keyframe_s: float | None = setting("Age at which a first observation is renewed.", default=None, gt=0.0)
+    bands: tuple[Band, ...] | None = setting(
+        "Bands of the image that share the points; none: one band.", default=None, min_length=1
+    )
+    corner_test: CornerTestConfig | None = setting("Drops points where Lucas-Kanade slides.", default=None)
+    wiper: WiperConfig | None = setting(
+        "Predicts points that a wiper occludes, and searches for them afterwards.", default=None
+    )
+    windscreen_points: WindscreenPointConfig | None = setting("Marks drops and dirt on the windscreen.", default=None)
+    settled_points: SettledPointConfig | None = setting("Drops old points of the flat road for new ones.", default=None)
 
     def __post_init__(self) -> None:
         if self.window_px % 2 == 0:
@@ -96,28 +104,28 @@ class FlowConfig:
 
 @settings
 class DirectionPriorConfig:
-    side_sd_rad: float = setting("standard deviation of the direction of motion to the side", gt=0.0)
+    side_sd_rad: float = setting("Standard deviation of the direction of motion to the side.", gt=0.0)
     height_sd_rad: float = setting("Standard deviation of the direction of motion up or down.", gt=0.0)
 
 
 @settings
 class TemporalPriorConfig:
-    drift_sd_rad: float = setting("change of the direction in a second, as a random walk", gt=0.0)
-    accepted_share: float = setting("share of the votes that makes RANSAC needless", gt=0.5, lt=1.0)
+    drift_sd_rad: float = setting("Change of the direction of motion in a second, as a random walk.", gt=0.0)
+    accepted_share: float = setting("Share of the votes from which RANSAC is not needed.", gt=0.5, lt=1.0)
 
 
 @settings
 class RotationFitConfig:
-    tilt_sd_radps: float = setting("standard deviation of the pitch rate and the roll rate", ge=0.0)
+    tilt_sd_radps: float = setting("Standard deviation of the pitch rate and the roll rate.", ge=0.0)
     yaw_sd_radps: float = setting("Standard deviation of the yaw rate's error.", ge=0.0)
 
 
 @settings
 class RansacConfig:
-    hypotheses: int = setting("pairs of flow lines", ge=1)
-    finalists: int = setting("hypotheses that all sampled points vote on", ge=1)
-    sample: int = setting("points that vote", ge=4)
-    prior_share: float = setting("share of the votes that the prior can outweigh at most", ge=0.0, le=1.0)
+    hypotheses: int = setting("Number of pairs of flow lines that are tried.", ge=1)
+    finalists: int = setting("Number of hypotheses that all sampled points vote on.", ge=1)
+    sample: int = setting("Number of points that vote.", ge=4)
+    prior_share: float = setting("Largest share of the votes that the prior can outweigh.", ge=0.0, le=1.0)
 
 
 @settings
@@ -130,19 +138,25 @@ class FocusFitConfig:
     tolerance_ratio: float = setting(
         "Share of the step's length that adds to its error; over n steps it grows with sqrt(n).", gt=0.0
     )
-    min_flow_px: float = setting("shorter motions do not vote", gt=0.0)
-    least_points: int = setting("least number of voting points", ge=2)
-    sharp_rad: float = setting("standard deviation of the direction that halves the confidence", gt=0.0)
-    direction_prior: DirectionPriorConfig | None = setting("the vehicle moves nearly straight ahead", default=None)
-    temporal_prior: TemporalPriorConfig | None = setting("prior: the focus of the frame before", default=None)
-    rotation: RotationFitConfig | None = setting("fit the rates of rotation that are not measured", default=None)
-    ransac: RansacConfig | None = setting("RANSAC finds the fit's start; none: the prior is it", default=None)
+    min_flow_px: float = setting("Least motion of a point that votes.", gt=0.0)
+    least_points: int = setting("Least number of voting points.", ge=2)
+    sharp_rad: float = setting("Standard deviation of the direction that halves the confidence.", gt=0.0)
+    direction_prior: DirectionPriorConfig | None = setting(
+        "Assumes that the vehicle moves nearly straight ahead.", default=None
+    )
+    temporal_prior: TemporalPriorConfig | None = setting(
+        "Takes the focus of the frame before as a prior.", default=None
+    )
+    rotation: RotationFitConfig | None = setting("Fits the rates of rotation that are not measured.", default=None)
+    ransac: RansacConfig | None = setting(
+        "Finds the fit's start by RANSAC; none: the prior is the start.", default=None
+    )
 
 
 @settings
 class ExpansionConfig:
     method: Literal["as_printed", "least_squares", "robust"] = setting("Method that finds the focus of expansion.")
-    fit: FocusFitConfig | None = setting("of the method `robust`, which needs it", default=None)
+    fit: FocusFitConfig | None = setting("Settings of the method `robust`, which needs them.", default=None)
 
     def __post_init__(self) -> None:
         if self.method == "robust" and self.fit is None:
@@ -153,13 +167,15 @@ class ExpansionConfig:
 class MountPitchConfig:
     """Noise of the observations of the mount pitch, and when its estimate is applied."""
 
-    first_sd_rad: float = setting("standard deviation of the mount pitch before any observation", gt=0.0)
-    look_sd_rad: float = setting("noise of an observation besides its own: consecutive ones are correlated", gt=0.0)
-    drift_sd_rad: float = setting("change in a second, as a random walk", gt=0.0)
+    first_sd_rad: float = setting("Standard deviation of the mount pitch before any observation.", gt=0.0)
+    look_sd_rad: float = setting(
+        "Noise of an observation in addition to its own, since consecutive ones are correlated.", gt=0.0
+    )
+    drift_sd_rad: float = setting("Change of the mount pitch in a second, as a random walk.", gt=0.0)
     least_rad: float = setting(
         "Least mount pitch that is applied; an applied one is kept down to half of this.", gt=0.0
     )
-    step_rad: float = setting("least change that is applied", gt=0.0)
+    step_rad: float = setting("Least change of the mount pitch that is applied.", gt=0.0)
 
 
 @settings
@@ -175,27 +191,27 @@ class PitchSidesConfig:
 
 @settings
 class DynamicPitchConfig:
-    settle_s: float = setting("time constant of the high-pass that removes the drift of the sum", gt=0.0)
-    smoothness: float = setting("weight of a constant pitch rate within the window", ge=0.0, lt=1.0)
+    settle_s: float = setting("Time constant of the high-pass that removes the drift of the sum.", gt=0.0)
+    smoothness: float = setting("Weight of a constant pitch rate within the window.", ge=0.0, lt=1.0)
     least_rad: float = setting(
         "Root mean square from which the pitch is compensated, until it falls below half of this.", gt=0.0
     )
-    least_points: int = setting("least number of points for an estimate", ge=1)
-    sides: PitchSidesConfig | None = setting("smaller pitch of two image halves that disagree", default=None)
+    least_points: int = setting("Least number of points for an estimate.", ge=1)
+    sides: PitchSidesConfig | None = setting("Takes the smaller pitch of two image halves that disagree.", default=None)
 
 
 @settings
 class PitchConfig:
-    dynamic: DynamicPitchConfig | None = setting("compensate the pitching on the springs, by the flow", default=None)
-    mounting: MountPitchConfig | None = setting("compensate the mount pitch, by the road's lines", default=None)
+    dynamic: DynamicPitchConfig | None = setting("Compensates the pitching on the springs by the flow.", default=None)
+    mounting: MountPitchConfig | None = setting("Compensates the mount pitch by the road's lines.", default=None)
 
 
 @settings
 class OdometryCalibrationConfig:
-    walk_m: float = setting("random walk of the pose's position in a second", gt=0.0)
+    walk_m: float = setting("Random walk of the pose's position in a second.", gt=0.0)
     walk_rad: float = setting("Random walk of the pose's heading in a second.", gt=0.0)
-    scale_sd: float = setting("standard deviation of the speedometer's scale", gt=0.0)
-    bias_sd_radps: float = setting("standard deviation of the yaw rate's bias", gt=0.0)
+    scale_sd: float = setting("Standard deviation of the speedometer's scale.", gt=0.0)
+    bias_sd_radps: float = setting("Standard deviation of the yaw rate's bias.", gt=0.0)
     drift_share: float = setting(
         "Random walk of scale and bias in a second, as a share of their standard deviations.", gt=0.0
     )
@@ -203,11 +219,11 @@ class OdometryCalibrationConfig:
 
 @settings
 class OdometryConfig:
-    rough_m: float = setting("random walk of the position in a second from which the pose is replaced", gt=0.0)
+    rough_m: float = setting("Random walk of the position in a second from which the pose is replaced.", gt=0.0)
     rough_rad: float = setting("Random walk of the heading in a second from which the pose is replaced.", gt=0.0)
     settle_s: float = setting("Time constant of the averages of position and heading.", gt=0.0)
     watched_s: float = setting("Time from the start before which the pose is not judged.", gt=0.0)
-    standstill_mps: float | None = setting("speed below which the vehicle stands", default=None, gt=0.0)
+    standstill_mps: float | None = setting("Speed below which the vehicle is at standstill.", default=None, gt=0.0)
     calibration: OdometryCalibrationConfig | None = setting(
-        "fit the speed's scale and the yaw rate's bias", default=None
+        "Fits the speed's scale and the yaw rate's bias.", default=None
     )

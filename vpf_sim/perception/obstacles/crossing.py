@@ -35,11 +35,11 @@ AROUND_PX = 8.0  # about its points, where others may be its own
 class CrossingConfig:
     """Clusters of points that move across the road."""
 
-    static_chi2: float = setting("chi2 above which a point does not belong to the static scene", gt=0.0)
-    least_points: int = setting("points of an actor, at least", ge=2)
-    least_mps: float = setting("speed across, at least", gt=0.0)
+    static_chi2: float = setting("Chi2 above which a point does not belong to the static scene.", gt=0.0)
+    least_points: int = setting("Least number of points of a crossing actor.", ge=2)
+    least_mps: float = setting("Least speed of an actor across the road.", gt=0.0)
     fastest_mps: float = setting("Largest speed across of an actor.", gt=0.0)
-    farthest_m: float = setting("depth at most", gt=0.0)
+    farthest_m: float = setting("Largest depth of an actor.", gt=0.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,8 +10,8 @@ Shape = Literal["full_frame", "below_horizon", "road_corridor", "horizon_corrido
 @settings
 class ContactConfig:
     method: Literal["as_printed", "robust"] = setting("Method that finds the time to contact.")
-    floor_px: float = setting("least motion that counts", gt=0.0)
-    cap_s: float = setting("longest finite time to contact", gt=0.0)
+    floor_px: float = setting("Least motion of a point that counts.", gt=0.0)
+    cap_s: float = setting("Longest finite time to contact.", gt=0.0)
     least_points: int = setting("Least number of points of a cluster with a time to contact of its own.", ge=1)
 
 
@@ -19,11 +19,13 @@ class ContactConfig:
 class RegionConfig:
     """Region of interest A of the obstacle force."""
 
-    shape: Shape = setting("`road_corridor`: between the road's edges; `horizon_corridor`: and within `reach_m`")
-    margin_m: float = setting("inside the edges")
-    near_m: float = setting("least depth, from the camera", gt=0.0)
-    reach_m: float = setting("largest depth", gt=0.0)
-    height_m: tuple[float, float] = setting("least and largest height above the road")
+    shape: Shape = setting(
+        "Shape of the region: `road_corridor`, between the road's edges, or `horizon_corridor`, also within `reach_m`."
+    )
+    margin_m: float = setting("Margin of the region inside the edges.")
+    near_m: float = setting("Least depth of the region, from the camera.", gt=0.0)
+    reach_m: float = setting("Largest depth of the region.", gt=0.0)
+    height_m: tuple[float, float] = setting("Least and largest height of the region above the road.")
 
     def __post_init__(self) -> None:
         if not self.near_m < self.reach_m:
@@ -40,19 +42,23 @@ class RegionConfig:
 @settings
 class ObstacleMapConfig:
     method: Literal["otsu_flow", "otsu_residual", "absolute"] = setting(
-        "`otsu_flow`: literal reading; `otsu_residual`: dominant plane of the cited source; `absolute`: robust"
+        "Method: `otsu_flow`, as printed; `otsu_residual`, the dominant plane of the cited source; `absolute`, robust."
     )
-    reduction: int = setting("of the image", ge=1)
-    disc_px: float = setting("radius of the disc that a point marks", gt=0.0)
-    normalisation: Literal["as_printed", "proper"] = setting("of the Gaussian")
-    noise_px: float = setting("standard deviation of a displacement", ge=0.0)
+    reduction: int = setting("Factor by which the image is reduced.", ge=1)
+    disc_px: float = setting("Radius of the disc that a point marks.", gt=0.0)
+    normalisation: Literal["as_printed", "proper"] = setting("Normalisation of the Gaussian.")
+    noise_px: float = setting("Standard deviation of a displacement.", ge=0.0)
     ratio: float = setting("Share of the road's flow that the residual must exceed as well.", ge=0.0)
-    min_points: int = setting("marked points that a cluster needs", ge=1)
-    weight: Literal["none", "ttc"] = setting("of a point: 1, or 1 - TTC / `horizon_s`")
-    horizon_s: float = setting("of the weight", gt=0.0)
-    sigma_px: float | None = setting("of the Gaussian in the full image; none: no gradient", default=None, gt=0.0)
-    above_horizon_px: float | None = setting("ignore points higher above the horizon; none: keep all", default=None)
-    region: RegionConfig | None = setting("keep the points of a region; none: of the full frame", default=None)
+    min_points: int = setting("Marked points that a cluster needs.", ge=1)
+    weight: Literal["none", "ttc"] = setting("Weight of a point: 1, or 1 - TTC / `horizon_s`.")
+    horizon_s: float = setting("Time to contact at which the weight of a point is 0.", gt=0.0)
+    sigma_px: float | None = setting(
+        "Standard deviation of the Gaussian in the full image; none: no gradient.", default=None, gt=0.0
+    )
+    above_horizon_px: float | None = setting(
+        "Height above the horizon from which points are ignored; none: all are kept.", default=None
+    )
+    region: RegionConfig | None = setting("Keeps the points of a region; none: those of the full frame.", default=None)
 
     @property
     def needs_surroundings(self) -> bool:

@@ -8,23 +8,23 @@ from vpf_sim.planning.lane.recovery_config import RecoveryConfig
 class ClearanceConfig:
     """Clearances between the sides of the car and what it passes."""
 
-    wanted_m: float = setting("beside an obstacle, where there is room", gt=0.0)
-    full_speed_m: float = setting("beside an obstacle, at least, at full speed", gt=0.0)
-    least_m: float = setting("beside an obstacle, at least, at walking speed; a narrower gap is blocked", gt=0.0)
-    edge_m: float = setting("to an edge of the road, at least", gt=0.0)
+    wanted_m: float = setting("Clearance beside an obstacle where there is room.", gt=0.0)
+    full_speed_m: float = setting("Least clearance beside an obstacle at full speed.", gt=0.0)
+    least_m: float = setting("Least clearance beside an obstacle at walking speed; a narrower gap is blocked.", gt=0.0)
+    edge_m: float = setting("Least clearance to an edge of the road.", gt=0.0)
 
 
 @settings
 class BrakingConfig:
     """Stops and speed changes, the same in all parts of the planner."""
 
-    comfort_mps2: float = setting("deceleration before a blocked road", gt=0.0)
-    emergency_mps2: float = setting("deceleration before an obstacle that is too near for comfort", gt=0.0)
+    comfort_mps2: float = setting("Deceleration before a blocked road.", gt=0.0)
+    emergency_mps2: float = setting("Deceleration before an obstacle that is too near for comfort.", gt=0.0)
     reaction_s: float = setting("Time until brake or steering takes effect.", ge=0.0)
-    standoff_m: float = setting("kept when stopping", gt=0.0)
-    closest_standoff_m: float = setting("kept when creeping up to an obstacle", gt=0.0)
-    cautious_mps: float = setting("least speed where little is seen", gt=0.0)
-    rise_mps2: float = setting("acceleration of the speed reference", gt=0.0)
+    standoff_m: float = setting("Distance to an obstacle that is kept when stopping.", gt=0.0)
+    closest_standoff_m: float = setting("Distance to an obstacle that is kept when creeping up to it.", gt=0.0)
+    cautious_mps: float = setting("Least speed where little of the road is visible.", gt=0.0)
+    rise_mps2: float = setting("Acceleration of the speed reference.", gt=0.0)
 
 
 @settings
@@ -33,13 +33,13 @@ class PartsConfig:
 
     least_behind_m: float = setting("Least distance of a part behind the face of the other one.", ge=0.0)
     most_behind_m: float = setting("Largest distance of a part behind the face of the other one.", gt=0.0)
-    beyond_m: float = setting("a part lies at most so far beyond a side of the other one", ge=0.0)
-    share: float = setting("of a part's width that lies behind the other one, at least", ge=0.0, le=1.0)
+    beyond_m: float = setting("Largest distance of a part beyond a side of the other obstacle.", ge=0.0)
+    share: float = setting("Least share of a part's width that lies behind the other obstacle.", ge=0.0, le=1.0)
 
 
 @settings
 class MeetConfig:
-    time_s: float = setting("a moving obstacle is avoided from when it is met in this time", gt=0.0)
+    time_s: float = setting("Time before the encounter from which a moving obstacle is avoided.", gt=0.0)
     gap_m: float = setting("Gap that is kept from a moving obstacle in addition.", ge=0.0)
 
 
@@ -54,13 +54,15 @@ class ObstacleConfig:
 
     visible_m: float = setting("Distance ahead within which an obstacle counts.", gt=0.0)
     full_m: float = setting("Distance ahead within which an obstacle counts in full.", gt=0.0)
-    length_m: float = setting("length of an obstacle, at least: its rear is not seen", gt=0.0)
-    long_m: float = setting("length of a truck, or of a moving obstacle, at least", gt=0.0)
-    truck_width_m: float = setting("an obstacle that is wider may be a truck", gt=0.0)
-    row_depth_m: float = setting("obstacles whose faces are nearer along the road are met together", gt=0.0)
-    row_gap_m: float = setting("a face so far behind the rear of another obstacle is in its row", ge=0.0)
-    slower_mps: float = setting("an obstacle is overtaken that is slower than the reference speed by more", ge=0.0)
-    beside_m: float = setting("others are avoided only where the way to them is shorter", ge=0.0)
+    length_m: float = setting("Least length that is assumed of an obstacle, whose rear is not visible.", gt=0.0)
+    long_m: float = setting("Least length that is assumed of a truck or of a moving obstacle.", gt=0.0)
+    truck_width_m: float = setting("Width from which an obstacle may be a truck.", gt=0.0)
+    row_depth_m: float = setting("Distance of faces along the road below which obstacles are met together.", gt=0.0)
+    row_gap_m: float = setting(
+        "Distance of a face behind the rear of another obstacle up to which it is in its row.", ge=0.0
+    )
+    slower_mps: float = setting("Speed below the reference from which an obstacle is overtaken.", ge=0.0)
+    beside_m: float = setting("Distance along the road up to which other obstacles are avoided.", ge=0.0)
     parts: PartsConfig | None = setting("Merges what lies behind a face into one longer obstacle.", default=None)
     meet: MeetConfig | None = setting("Leaves moving obstacles alone until they are met soon.", default=None)
     catch_up_s: float | None = setting("Faster obstacles behind that come up in this time count.", default=None, gt=0.0)
@@ -71,14 +73,14 @@ class ObstacleConfig:
 
 @settings
 class TailConfig:
-    height: float = setting("h_t", ge=0.0)
-    decay_m: float = setting("d_t", gt=0.0)
+    height: float = setting("Height h_t of the cost beyond the clearance.", ge=0.0)
+    decay_m: float = setting("Distance d_t over which the cost beyond the clearance decays.", gt=0.0)
 
 
 @settings
 class RowCostConfig:
-    height: float = setting("h_r, at no gap", ge=0.0)
-    gap_m: float = setting("b_r, a wider gap costs nothing", gt=0.0)
+    height: float = setting("Height h_r of the cost of a row without a gap.", ge=0.0)
+    gap_m: float = setting("Gap b_r in a row from which on it costs nothing.", gt=0.0)
 
 
 @settings
@@ -90,15 +92,15 @@ class MemoryConfig:
 @settings
 class NarrowPlanConfig:
     height: float = setting("Height of the latch towards a narrow gap.", ge=0.0)
-    near_m: float = setting("from the minimum, a car has gone there", gt=0.0)
+    near_m: float = setting("Distance from the minimum within which the car has entered the gap.", gt=0.0)
 
 
 @settings
 class LatchConfig:
     """The side of an obstacle is kept once it is near."""
 
-    ahead_m: float = setting("an obstacle is near within this way", gt=0.0)
-    height: float = setting("for changing the side", ge=0.0)
+    ahead_m: float = setting("Distance ahead within which an obstacle is near.", gt=0.0)
+    height: float = setting("Cost of changing the side of an obstacle.", ge=0.0)
     turned_rad: float | None = setting("A car turned by more keeps its side of farther ones.", default=None, gt=0.0)
     narrow_plan: NarrowPlanConfig | None = setting("Leaves a narrow gap again while far from it.", default=None)
     overlap_m: float | None = setting("An overlap with the last minimum that frees the side.", default=None, gt=0.0)
@@ -106,14 +108,14 @@ class LatchConfig:
 
 @settings
 class CrossingConfig:
-    time_s: float = setting("to get to the other side", gt=0.0)
+    time_s: float = setting("Time to get to the other side behind a moving obstacle.", gt=0.0)
     gap_m: float = setting("Gap that is kept in addition.", gt=0.0)
-    behind_m: float = setting("a car nearer to the obstacle's middle has chosen no side", ge=0.0)
+    behind_m: float = setting("Distance to the obstacle's middle below which the car has not selected a side.", ge=0.0)
 
 
 @settings
 class BesideConfig:
-    height: float = setting("for what lies beyond an obstacle beside the car", ge=0.0)
+    height: float = setting("Cost of what lies beyond an obstacle beside the car.", ge=0.0)
     crossing: CrossingConfig | None = setting("Crosses behind a moving obstacle if that is safe.", default=None)
 
 
@@ -123,12 +125,12 @@ class LateralCostConfig:
 
     reach_m: float = setting("Reach of the grid to both sides of the own lane's middle.", gt=0.0, le=100.0)
     spacing_m: float = setting("Spacing of the grid.", ge=0.01)
-    target_per_m2: float = setting("k", gt=0.0)
-    obstacle_height: float = setting("h_o", ge=0.0)
-    obstacle_slope_per_m: float = setting("s_o", ge=0.0)
-    narrow_height: float = setting("h_n, at no gap", ge=0.0)
-    wall_height: float = setting("h_w, at an edge of the road", ge=0.0)
-    wall_reach_m: float = setting("d_w, from the edge", gt=0.0)
+    target_per_m2: float = setting("Weight k of the squared distance to the target.", gt=0.0)
+    obstacle_height: float = setting("Height h_o of the cost of an obstacle.", ge=0.0)
+    obstacle_slope_per_m: float = setting("Slope s_o of the cost of an obstacle.", ge=0.0)
+    narrow_height: float = setting("Height h_n of the cost where there is no gap.", ge=0.0)
+    wall_height: float = setting("Height h_w of the cost at an edge of the road.", ge=0.0)
+    wall_reach_m: float = setting("Distance d_w from the edge up to which it has a cost.", gt=0.0)
     tail: TailConfig | None = setting("Repels from obstacles beyond the clearance wanted.", default=None)
     row: RowCostConfig | None = setting("Makes narrow gaps in a row of obstacles cost more.", default=None)
     unstopped_share: float | None = setting("Raises obstacles too near for a stop, if none is free.", default=None)
@@ -140,39 +142,43 @@ class LateralCostConfig:
 
 @settings
 class EdgeConfig:
-    turning_m: float = setting("of way until a corner turns back from the edge", gt=0.0)
-    least_ratio: float = setting("where there is no room at all", gt=0.0)
+    turning_m: float = setting("Distance along the road in which a corner turns back from the edge.", gt=0.0)
+    least_ratio: float = setting("Ratio of the lateral motion where there is no room at all.", gt=0.0)
 
 
 @settings
 class LimitsConfig:
     """Limits of the lateral motion; a ratio is the largest lateral speed as a share of the vehicle's."""
 
-    ratio: float = setting("at speed", gt=0.0, lt=1.0)
-    walking_ratio: float = setting("at walking speed", gt=0.0, lt=1.0)
-    walking_mps: float = setting("walking speed", gt=0.0)
-    fast_mps: float = setting("from this speed on `ratio` holds", gt=0.0)
-    acceleration_mps2: float = setting("largest lateral acceleration", gt=0.0)
-    steering_radps: float = setting("rate that a path asks of the steering at most", gt=0.0)
+    ratio: float = setting("Largest lateral speed at full speed, as a share of the vehicle's.", gt=0.0, lt=1.0)
+    walking_ratio: float = setting(
+        "Largest lateral speed at walking speed, as a share of the vehicle's.", gt=0.0, lt=1.0
+    )
+    walking_mps: float = setting("Speed at which `walking_ratio` holds.", gt=0.0)
+    fast_mps: float = setting("Speed from which on `ratio` holds.", gt=0.0)
+    acceleration_mps2: float = setting("Largest lateral acceleration.", gt=0.0)
+    steering_radps: float = setting("Largest steering rate that a path needs.", gt=0.0)
     yaw_acceleration_radps2: float = setting("Largest yaw acceleration of the car.", gt=0.0)
-    radius_factor: float = setting("of the tightest curve: the steering takes time to get there", ge=1.0)
+    radius_factor: float = setting("Factor of the tightest curve's radius, since steering takes time.", ge=1.0)
     edge: EdgeConfig | None = setting("Turns towards an edge no more than the car's corners allow.", default=None)
 
 
 @settings
 class WaitConfig:
     reaction_s: float = setting("Time to react, in addition to the distance that the shift takes.", ge=0.0)
-    slope: float = setting("of a path that has not left its place yet, at most", gt=0.0)
+    slope: float = setting("Largest slope of a path that has not left its place yet.", gt=0.0)
 
 
 @settings
 class PathConfig:
-    speed_mps: float = setting("largest lateral speed", gt=0.0)
-    shift_s: float = setting("duration of a shift when there is time", gt=0.0)
-    shift_share: float = setting("of the time that is left, otherwise", gt=0.0)
-    shortest_s: float = setting("shortest duration of a shift", gt=0.0)
-    lead_m: float = setting("from the rear axle to the path, at most", gt=0.0)
-    slowest_closing_mps: float = setting("speed towards an obstacle, at least, for the time that is left", gt=0.0)
+    speed_mps: float = setting("Largest lateral speed.", gt=0.0)
+    shift_s: float = setting("Duration of a shift when there is time.", gt=0.0)
+    shift_share: float = setting("Share of the remaining time that a shift takes where there is less time.", gt=0.0)
+    shortest_s: float = setting("Shortest duration of a shift.", gt=0.0)
+    lead_m: float = setting("Largest distance from the rear axle to the path.", gt=0.0)
+    slowest_closing_mps: float = setting(
+        "Least speed towards an obstacle by which the remaining time is computed.", gt=0.0
+    )
     wait: WaitConfig | None = setting("Leaves the lane no sooner than it must.", default=None)
     hold_m: float | None = setting("Stays straight until this near to a row without a gap.", default=None, gt=0.0)
 
@@ -181,9 +187,9 @@ class PathConfig:
 class CorrectionConfig:
     """Feedback of the lateral error into the heading."""
 
-    per_s: float = setting("k, of the lateral error", gt=0.0)
-    per_m: float = setting("k / v, at most: the slower, the longer the car takes to turn", gt=0.0)
-    speed_mps: float = setting("largest lateral speed", gt=0.0)
+    per_s: float = setting("Gain k of the lateral error.", gt=0.0)
+    per_m: float = setting("Largest k / v: the slower the car, the longer it takes to turn.", gt=0.0)
+    speed_mps: float = setting("Largest lateral speed.", gt=0.0)
 
 
 @settings
@@ -193,10 +199,10 @@ class RowStopConfig:
 
 @settings
 class LookConfig:
-    gap_m: float = setting("a gap so wide is not closed by one more obstacle", gt=0.0)
-    beside_m: float = setting("from the car, what stands bounds the gap", gt=0.0)
-    ahead_m: float = setting("way before the row", gt=0.0)
-    speed_mps: float = setting("speed there", gt=0.0)
+    gap_m: float = setting("Gap from which on one more obstacle does not close it.", gt=0.0)
+    beside_m: float = setting("Distance from the car within which a static obstacle bounds the gap.", gt=0.0)
+    ahead_m: float = setting("Distance before the row from which the car is slow.", gt=0.0)
+    speed_mps: float = setting("Speed before the row.", gt=0.0)
 
 
 @settings
@@ -211,7 +217,7 @@ class UnwindConfig:
 
 @settings
 class CreepConfig:
-    standing_s: float = setting("at standstill, before each of two stages", gt=0.0)
+    standing_s: float = setting("Time at standstill before each of the two stages of creeping.", gt=0.0)
     speed_mps: float = setting("Speed of creeping.", gt=0.0)
 
 
@@ -219,10 +225,12 @@ class CreepConfig:
 class SpeedConfig:
     """Limits of the speed by what is ahead."""
 
-    near_m: float = setting("where an emergency stop ends", gt=0.0)
-    turn_m: float = setting("least way on which the tightest turn leads out", gt=0.0)
+    near_m: float = setting("Distance to an obstacle at which an emergency stop ends.", gt=0.0)
+    turn_m: float = setting("Least distance in which the tightest turn leads out.", gt=0.0)
     time_gap_s: float = setting("Time gap that is kept from a moving obstacle in addition to the standoff.", ge=0.0)
-    fall_back_mps: float = setting("by which a too near moving obstacle is let go ahead", gt=0.0)
+    fall_back_mps: float = setting(
+        "Speed below that of a moving obstacle that is too near, until the distance is kept.", gt=0.0
+    )
     bend_mps2: float | None = setting("Largest lateral acceleration in bends.", default=None, gt=0.0)
     narrow_gap: NarrowGapConfig | None = setting("Slows beside near obstacles.", default=None)
     turned_m: float | None = setting("Shifts before obstacles; a turned car is so much wider.", default=None, ge=0.0)
@@ -242,13 +250,13 @@ class ClearDistanceConfig:
 
     brake_mps2: float = setting("Deceleration of the stop.", gt=0.0)
     standoff_m: float = setting("Distance from the obstacle at which the car stops.", gt=0.0)
-    enough_share: float = setting("of the reference speed: a view that allows as much is a good one", gt=0.0)
+    enough_share: float = setting("Share of the reference speed that a good view allows.", gt=0.0)
 
 
 @settings
 class LanePlannerConfig:
-    lost_road_mps: float = setting("speed where the road itself is not seen", gt=0.0)
-    lost_road_m: float = setting("way after which the car stops there", gt=0.0)
+    lost_road_mps: float = setting("Speed where the road is not visible.", gt=0.0)
+    lost_road_m: float = setting("Distance without a visible road after which the car stops.", gt=0.0)
     clearance: ClearanceConfig
     braking: BrakingConfig
     obstacles: ObstacleConfig

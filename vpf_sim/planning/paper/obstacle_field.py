@@ -21,9 +21,13 @@ NEVER_S = 1e9  # longest time to contact, so that the sum stays finite
 class ObstacleFieldConfig:
     """F_y grows with safety and always has one sign, so it can be left out."""
 
-    gamma: float = setting("gamma", ge=0.0)
-    terms: Literal["printed", "lateral"] = setting("printed: F_x and F_y; lateral: F_x alone")
-    area: Literal["frame", "obstacles"] = setting("|R|: the pixels of the frame, or those of the obstacles")
+    gamma: float = setting("Weight gamma of the obstacle field.", ge=0.0)
+    terms: Literal["printed", "lateral"] = setting(
+        "Terms of the field: `printed`, F_x and F_y, or `lateral`, F_x alone."
+    )
+    area: Literal["frame", "obstacles"] = setting(
+        "Area |R| of the field: the pixels of the `frame`, or those of the `obstacles`."
+    )
 
 
 def force(obstacle_map: ObstacleMap, ttc_s: Floats, camera: Camera, config: ObstacleFieldConfig) -> Floats:

@@ -12,7 +12,9 @@ from vpf_sim.types import Floats
 class ReferenceConfig:
     """How the force becomes a heading."""
 
-    heading: Literal["printed", "repaired"] = setting("printed: atan, the same ahead and behind; repaired: atan2")
+    heading: Literal["printed", "repaired"] = setting(
+        "Heading: `printed`, atan, the same ahead and behind, or `repaired`, atan2."
+    )
 
 
 class HeadingReference:

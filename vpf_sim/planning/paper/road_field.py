@@ -33,17 +33,19 @@ class RoadFieldConfig:
     """The only minimum lies in the middle between the edges."""
 
     shape: Literal["printed", "repaired"] = setting(
-        "printed: the formulas as typed; repaired: the same field by the identity, + bends right"
+        "Shape of the field: `printed`, the formulas as typed, or `repaired`, the same by the identity, + bends right."
     )
-    depth: float = setting("A", gt=0.0)
-    b_per_m: float = setting("b", gt=0.0)
-    c2_straight: float = setting("c_2 of a straight road, n = 1")
-    c2_curved_per_m: float = setting("c_2 of a curved road, n = 2")
-    x_offset_m: float = setting("delta x, of the printed form", gt=0.0)
-    foe_dead_band_px: float = setting("of the FOE about the centre: the road is straight", ge=0.0)
+    depth: float = setting("Depth A of the field.", gt=0.0)
+    b_per_m: float = setting("Factor b of the field.", gt=0.0)
+    c2_straight: float = setting("Factor c_2 of a straight road, n = 1.")
+    c2_curved_per_m: float = setting("Factor c_2 of a curved road, n = 2.")
+    x_offset_m: float = setting("Offset delta x of the printed form.", gt=0.0)
+    foe_dead_band_px: float = setting(
+        "Distance of the FOE from the centre within which the road counts as straight.", ge=0.0
+    )
     foe_median_s: float = setting("Time over which the FOE's median is taken.", ge=0.0)
     edges: Literal["carriageway", "lane", "preferred"] = setting(
-        "of the carriageway; of the own lane; preferred: the right edge, mirrored at the own lane's middle"
+        "Edges of the field: of the carriageway, of the own lane, or `preferred`, the right one mirrored at its middle."
     )
 
 

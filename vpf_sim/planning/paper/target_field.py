@@ -19,12 +19,14 @@ from vpf_sim.types import Floats
 class TargetFieldConfig:
     """With `reach_m` the weight against the other fields does not change along the way."""
 
-    alpha: float = setting("alpha", gt=0.0)
+    alpha: float = setting("Weight alpha of the target field.", gt=0.0)
     direction: Literal["printed", "repaired"] = setting(
-        "printed: atan, an angle of the world used as one of the vehicle; repaired: atan2, in vehicle axes"
+        "Direction: `printed`, atan of world coordinates used in vehicle axes, or `repaired`, atan2 in vehicle axes."
     )
-    at: Literal["goal", "horizon"] = setting("goal; horizon: the preferred lane's middle `reach_m` ahead")
-    reach_m: float | None = setting("largest distance in the module; none: as printed", default=None, gt=0.0)
+    at: Literal["goal", "horizon"] = setting(
+        "Target: the goal, or `horizon`, the middle of the preferred lane `reach_m` ahead."
+    )
+    reach_m: float | None = setting("Largest distance in the modulus; none: as printed.", default=None, gt=0.0)
 
     def __post_init__(self) -> None:
         if self.at == "horizon" and (self.reach_m is None or self.direction != "repaired"):

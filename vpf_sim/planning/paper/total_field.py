@@ -19,10 +19,12 @@ from vpf_sim.types import Floats, Force
 class TotalFieldConfig:
     """How the forces are summed and turned into the world."""
 
-    axes: Literal["printed", "mapped"] = setting("printed: image (x, y) on (X, Y); mapped: image x on Y")
-    rotation: Literal["printed", "repaired"] = setting("printed: the transposed matrix; repaired: vehicle to world")
-    lambda_x: float = setting("lambda_X", gt=0.0)
-    lambda_y: float = setting("lambda_Y", gt=0.0)
+    axes: Literal["printed", "mapped"] = setting("Axes: `printed`, image (x, y) on (X, Y), or `mapped`, image x on Y.")
+    rotation: Literal["printed", "repaired"] = setting(
+        "Rotation: `printed`, the transposed matrix, or `repaired`, vehicle to world."
+    )
+    lambda_x: float = setting("Gain lambda_X of the force along X.", gt=0.0)
+    lambda_y: float = setting("Gain lambda_Y of the force along Y.", gt=0.0)
 
 
 def compose(target: Floats, obstacle_image: Floats, road: Floats, config: TotalFieldConfig) -> Force:
