@@ -16,9 +16,9 @@ from vpf_sim.scene.tracks import Tracks
 from vpf_sim.types import Floats
 
 BESIDE_M = -16.0, 4.0  # from the car's middle
-WIDTH_M = 1.8
+WIDTH_M = 1.0  # enough to keep the car out of the lane
 IN_LANE = 0.6  # of a lane's width: a car that is nearer to a lane's middle is in it
-STANDING_MPS = 0.3
+STANDING_MPS, DRIVING_MPS = 0.3, 2.0  # a car that has begun to drive goes on
 
 
 class UnseenTraffic:
@@ -31,7 +31,10 @@ class UnseenTraffic:
     def update(self, time_s: float, own_mps: float, along_mps: Floats) -> None:
         """Note the speeds (K,) along the road of what moves in our direction."""
         since_s, self._last_s = time_s - self._last_s, time_s
-        self._stood_s = self._stood_s + since_s if own_mps < STANDING_MPS else 0.0
+        if own_mps < STANDING_MPS:
+            self._stood_s += since_s
+        elif own_mps > DRIVING_MPS:
+            self._stood_s = 0.0
         fastest = float(along_mps.max(initial=0.0))
         if fastest > max(self._speed_mps, STANDING_MPS) or time_s - self._seen_s > self._config.remembered_s:
             self._speed_mps = fastest
