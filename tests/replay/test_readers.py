@@ -1,7 +1,6 @@
 """The same drive in each layout is read to our axes and units."""
 
 import dataclasses
-import json
 import os
 import tomllib
 from collections.abc import Callable
@@ -309,7 +308,3 @@ def test_recordings_page_names_every_key_and_column(tmp_path: Path) -> None:
         assert f"`{column}`" in page, column
     for reader in readers.READERS:
         assert reader.LAYOUT in page or reader.LAYOUT == "video or images with drive.toml"
-
-
-def test_origins_serialise_to_plain_json(recording: Recording) -> None:
-    assert json.dumps({name: str(origin) for name, origin in recording.origins.items()})

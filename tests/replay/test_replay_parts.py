@@ -116,34 +116,28 @@ def test_present_lane_is_nearest_to_the_car() -> None:
     assert beyond.right_m == pytest.approx(2.75), "what is driven on is road"
 
 
-def test_missing_lane_lies_straight_ahead() -> None:
-    lane = present_lane(ROAD, found=False)
-    assert (lane.lane_m, lane.heading_rad, lane.curvature_per_m, lane.confidence) == (0.0, 0.0, 0.0, 0.0)
-    assert (lane.left_m, lane.right_m) == (-7.0, 7.0)
-
-
-def test_unreliable_edge_is_not_kept() -> None:
+def test_missing_lane_lies_straight_ahead_whatever_the_edges() -> None:
     """A left edge to the right of the car would pull the model car to the right repeatedly."""
-    beside = replace(ROAD, left_m=1.9, right_m=15.9, lane_m=-0.5)
-    lane = present_lane(beside, found=False)
-    assert (lane.left_m, lane.right_m) == (-7.0, 7.0)
+    for road in (ROAD, replace(ROAD, left_m=1.9, right_m=15.9, lane_m=-0.5)):
+        lane = present_lane(road, found=False)
+        assert (lane.lane_m, lane.heading_rad, lane.curvature_per_m, lane.confidence) == (0.0, 0.0, 0.0, 0.0)
+        assert (lane.left_m, lane.right_m) == (-7.0, 7.0)
 
 
-def test_lane_is_rejected_at_high_lateral_speed() -> None:
-    assert is_found(ROAD, 20.0)
-    assert not is_found(replace(ROAD, heading_rad=0.1), 20.0)
-    assert not is_found(replace(ROAD, lane_confidence=0.4), 20.0)
-
-
-def test_lane_is_rejected_at_high_lateral_acceleration() -> None:
-    bend = replace(ROAD, curvature_per_m=0.03)
-    assert is_found(bend, 10.0)
-    assert not is_found(bend, 25.0)
-
-
-def test_outline_of_a_car_ahead_is_no_bend_at_standstill() -> None:
-    assert not is_found(replace(ROAD, curvature_per_m=-0.03), 0.0)
-    assert is_found(ROAD, 0.0)
+@pytest.mark.parametrize(
+    ("changes", "speed_mps", "found"),
+    [
+        ({}, 20.0, True),
+        ({"heading_rad": 0.1}, 20.0, False),  # 2 m/s to the side
+        ({"lane_confidence": 0.4}, 20.0, False),
+        ({"curvature_per_m": 0.03}, 10.0, True),
+        ({"curvature_per_m": 0.03}, 25.0, False),  # 19 m/s2 to the side
+        ({"curvature_per_m": -0.03}, 0.0, False),  # the outline of a car ahead
+        ({}, 0.0, True),
+    ],
+)
+def test_lane_is_rejected_where_no_car_could_drive_it(changes: dict[str, float], speed_mps: float, found: bool) -> None:
+    assert is_found(replace(ROAD, **changes), speed_mps) == found
 
 
 def test_frames_without_a_lane_are_not_scored() -> None:

@@ -15,7 +15,7 @@ from vpf_sim.replay.open_loop_driver import DriverError, OpenLoopDriver
 from vpf_sim.replay.recording import Recording
 from vpf_sim.replay.records import DriveRecord, DriveWarning, MountingAngle, PerceptionScores
 from vpf_sim.replay.scores import rounded
-from vpf_sim.types import Floats
+from vpf_sim.types import Camera, Floats
 
 CERTAIN_RAD = 0.009  # half width of an interval that needs no warning: half a degree
 MOST_MISSING_SHARE = 0.05  # share of frames without flow or lane that needs a warning
@@ -49,7 +49,9 @@ def of(
     fixed: FixedStructure | None,
 ) -> DriveRecord:
     """The record, a function of recording, driver and code."""
-    camera, perceived = recording.camera, scores.perception(table, recording)
+    perceived = scores.perception(table, recording)
+    commands = of_commands(replayed.unlike_training(), table)
+    doubtful = of_recording(recording, perceived, table.lane_width_m, fixed)
     return DriveRecord(
         name=recording.name,
         file=file_name(recording.name),
@@ -73,22 +75,21 @@ def of(
         protocol=replayed.protocol,
         segments=int(table.segment.max(initial=-1.0)) + 1,
         restarts=replayed.restarts,
-        camera=records.CameraShape(
-            width_px=camera.width_px,
-            height_px=camera.height_px,
-            focal_px=rounded(camera.fx_px),
-            height_m=rounded(camera.height_m),
-        ),
+        camera=_shape(recording.camera),
         mounting={name: _angle(found) for name, found in recording.mounting_found.items()} or None,
         speed_interval=_mean_speed(recording),
         notes=(*recording.notes, *scores.notes(table, recording), *accumulated.notes()),
         driven=bool(np.isfinite(table.throttle).any()),
         no_images=recording.no_images or None,
         error=accumulated.error.fault() if accumulated.error else None,
-        warnings=(
-            *of_commands(replayed.unlike_training(), table),
-            *of_recording(recording, perceived, table.lane_width_m, fixed),
-        ),
+        warnings=(*commands, *doubtful),
+    )
+
+
+def _shape(camera: Camera) -> records.CameraShape:
+    focal_px, height_m = rounded(camera.fx_px), rounded(camera.height_m)
+    return records.CameraShape(
+        width_px=camera.width_px, height_px=camera.height_px, focal_px=focal_px, height_m=height_m
     )
 
 

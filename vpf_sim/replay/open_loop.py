@@ -138,10 +138,9 @@ def _rows(
             row = row._replace(image=1.0, **_perception_columns(last, recording.camera))
             if image.size:
                 grey_image = grey(image)
-                row = row._replace(ttc_s=lead.ttc_s(grey_image, row.lead_gap_m))
-                motion = ego.update(grey_image, moved_m)
+                motion, moved_m = ego.update(grey_image, moved_m), 0.0
                 accumulated.speed_votes.append((row.time_s, motion.speed_votes))
-                row, moved_m = row._replace(**_ego_columns(motion)), 0.0
+                row = row._replace(ttc_s=lead.ttc_s(grey_image, row.lead_gap_m), **_ego_columns(motion))
         row = row._replace(throttle=last.command.throttle, steering=last.command.steering)
         if video is not None:
             video.write(image, last, row)
