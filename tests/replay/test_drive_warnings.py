@@ -92,6 +92,8 @@ def test_a_lead_vehicle_and_specks_are_not_warned_of() -> None:
     mask[60:200, 100:380] = True
     mask[-10:, 100:112] = True
     assert found_warnings(fixed=mask) == {}
+    mask[:8, 10:34] = True  # a clock
+    assert "most of it in the upper third" in found_warnings(fixed=mask)["fixed to the camera"]
 
 
 def test_warnings_are_rows_of_a_table() -> None:

@@ -50,6 +50,8 @@ def test_what_is_painted_on_a_film_is_found_and_the_road_is_not(paint: Paint) ->
     assert clean is not None
     assert found.mask[on_top].mean() > 0.75
     assert clean.mask.mean() < 0.01
+    assert found.is_visible
+    assert not clean.is_visible
     assert not clean.mask[made_films.HEIGHT_PX * 2 // 3 :].any()  # solid lines stay in place, too
 
 
@@ -70,6 +72,20 @@ def test_speed_is_that_of_the_scene(paints: tuple[Paint, ...], speed_mps: float,
     assert np.median(drive.speed_mps) == pytest.approx(speed_mps, rel=0.08)
     assert drive.speed_mps.min() > 0.8 * speed_mps
     assert np.median(np.abs(drive.yaw_rate_radps)) < 0.02
+    fixed = drive.fixed_to_camera()
+    assert fixed is not None
+    assert fixed.is_visible
+
+
+def test_structure_is_where_the_frames_of_a_yawed_camera_show_it(tmp_path: Path) -> None:
+    yawed, motion = f"{KNOWN}\npitch_deg = 1.0\nyaw_deg = 5.0", (SPEED_MPS, 0.0)
+    images = made_films.film(seconds=SECONDS)
+    drive = readers.read(made_films.write(tmp_path / "d", images, made_films.date_stamp, camera=yawed, motion=motion))
+    fixed, seen = drive.fixed_to_camera(), fixed_structure.find(drive.frames(), drive.times_s)
+    assert fixed is not None
+    assert seen is not None
+    assert fixed.mask.shape == (drive.camera.height_px, drive.camera.width_px)
+    assert (fixed.mask & seen.mask).sum() > 0.7 * (fixed.mask | seen.mask).sum()
 
 
 @pytest.mark.parametrize("kind", ["covered glass", "parked car"])

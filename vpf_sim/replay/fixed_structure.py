@@ -23,7 +23,7 @@ WINDOW_PX, CORNER_LEVELS, CORNER_RATIO = 11, 1.0, 0.1  # of the structure tensor
 MARGIN_PX, FILL_PX = 2, 31
 MOST_SHARE = 0.6  # of the road's part of the image, above which it may be a stationary scene
 MIDDLE = 0.19, 0.81, 0.17, 0.75  # left, right, top, bottom: where a lead vehicle or the far road may stay in place, too
-LEAST_VISIBLE = 0.002  # of the image
+LEAST_VISIBLE = 0.001  # of the image
 
 
 @dataclass(frozen=True, slots=True)
