@@ -1,5 +1,6 @@
 """Angles across their seam (north, 180 degrees of longitude, half a turn) in every layout."""
 
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -70,7 +71,7 @@ def test_drive_across_180_degrees_longitude_is_continuous(tmp_path: Path) -> Non
 
 SEAMS = [(-1.0, 8.4), (179.0, 8.4), (89.0, 8.4), (80.0, 179.99995)]  # course and longitude at the start, deg
 CASES = [(layout, *seam) for layout in ("kitti_raw", "comma2k19") for seam in SEAMS]
-CASES += [(layout, *SEAMS[-1]) for layout in ("radiate", "udacity")]  # once, since their images are processed
+CASES += [(layout, *SEAMS[-1]) for layout in ("radiate", "udacity")]
 
 
 @pytest.mark.parametrize(("layout", "course_deg", "longitude_deg"), CASES)
@@ -82,6 +83,8 @@ def test_every_layout_is_independent_of_the_initial_heading(
     monkeypatch.setattr(layouts, "LONGITUDE_DEG", longitude_deg)
     write = {"comma2k19": lambda folder: layouts.comma2k19(folder, with_video=False)}
     folder = write.get(layout, getattr(layouts, layout))(tmp_path / "drive")
+    if layout == "udacity":
+        shutil.rmtree(folder / "center")  # the signals are enough
     recording, known = readers.read(folder), layouts.truth()
     assert recording.poses[:, :2] == pytest.approx(known.poses[:, :2], abs=0.15)
     turned = recording.poses[:, 2] - recording.poses[0, 2]

@@ -65,7 +65,7 @@ def test_images_of_a_general_table_match_by_file_name(tmp_path: Path) -> None:
     names = [f"f{k}.png" for k in range(6)]
     layouts.pictures(tmp_path / "frames", names)
     (tmp_path / "drive.toml").write_text(
-        'schema = 1\nframes = "D:\\\\drive\\\\frames"\n[camera]\npitch_deg = 0\nyaw_deg = 0\n'
+        'schema = 1\nframes = "D:\\\\drive\\\\frames"\n[camera]\nheight_m = 1.4\npitch_deg = 0\nyaw_deg = 0\n'
         '[signals]\nfile = "C:\\\\logs\\\\signals.csv"\n'
     )
     rows = [f"C:\\data\\frames\\{name},{0.05 * k:.2f},{8 + k},0.0" for k, name in enumerate(names)]

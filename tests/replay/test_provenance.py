@@ -115,7 +115,7 @@ def test_constant_speed_gives_no_scored_throttle(tmp_path: Path, capsys: pytest.
 
 def test_covered_lens_has_no_scores(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     black = [np.zeros((480, 640, 3), np.uint8)] * 8
-    (record,) = replay(tmp_path / "cap", black, "speed_mps = 7.5\n", "", capsys)["drives"]
+    (record,) = replay(tmp_path / "cap", black, "speed_mps = 7.5\n[camera]\nheight_m = 1.4\n", "", capsys)["drives"]
     assert (record["accuracy"]["throttle"], record["accuracy"]["steering"]) == (None, None)
     assert record["accuracy"]["unseen"]["whole"] == 8
     assert "8 of 8 scored frames are unseen: no image, or the last command held" in record["notes"]
