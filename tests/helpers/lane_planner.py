@@ -6,12 +6,15 @@ from driver_settings import unwrap
 from vpf_sim.driver_interface import DriverSetup
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles
 from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
+from vpf_sim.planning.lane.lane_settings import LanePlannerConfig
 from vpf_sim.planning.lane.lateral_cost import LateralCost
 from vpf_sim.planning.lane.lateral_path import LateralPath
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
+from vpf_sim.planning.lane.planner import LanePlanner
 from vpf_sim.planning.lane.recovery import Recovery
 from vpf_sim.planning.lane.reference import LaneReference
 from vpf_sim.planning.lane.speed.limits import SpeedLimits
+from vpf_sim.planning.visibility import SpeedInSight
 from vpf_sim.types import Camera, VehicleModel
 
 CAR, SPEED_MPS, RATE_HZ = VehicleModel(), 5.55, 60.0
@@ -26,6 +29,10 @@ ROBUST, SETUP = unwrap(driver_settings.ROBUST.lane_planner), driver_setup()
 CLEARANCE, BRAKING = ROBUST.clearance, ROBUST.braking
 SPEED, PATH, RECOVERY = unwrap(ROBUST.speed), unwrap(ROBUST.path), unwrap(ROBUST.recovery)
 LIMITS = KinematicLimits(ROBUST, CAR)
+
+
+def lane_planner(setup: DriverSetup = SETUP, config: LanePlannerConfig = ROBUST) -> LanePlanner:
+    return LanePlanner(setup, config, SpeedInSight(unwrap(driver_settings.ROBUST.visibility), setup))
 
 
 def geometry(obstacles: LaneObstacles) -> ObstacleGeometry:

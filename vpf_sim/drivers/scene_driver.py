@@ -18,16 +18,17 @@ class SceneDriver(Driver):
         from vpf_sim.drivers.motion_follower import MotionFollower
         from vpf_sim.drivers.perceiver import OwnMotion, Perceiver
         from vpf_sim.planning import variant as variants
+        from vpf_sim.planning.visibility import SpeedInSight
         from vpf_sim.scene.camera import CameraScene
 
         self._setup, self._variant = setup, variants.load(VARIANT)
         self._perceiver = Perceiver(setup, self._variant)
         self._own_motion = OwnMotion(setup, self._variant)
         assert self._variant.scene is not None
-        self._lost_road = self._variant.scene.lost_road
+        assert self._variant.visibility is not None
+        self._in_sight = SpeedInSight(self._variant.visibility, setup)
         self._scene = CameraScene(setup.camera, self._variant.scene, self._variant.road_edges.object_sizes)
         self._follower = MotionFollower(setup)
-        self._lost_m = 0.0  # way since the road was seen
 
     def act(self, observation: Observation) -> Command:
         observation = self._own_motion.update(observation)
@@ -58,16 +59,9 @@ class SceneDriver(Driver):
     def _speed_reference(self, perception: Perception, observation: Observation) -> float:
         """m/s, the reference speed, less where too little is seen."""
         from vpf_sim.drivers.motion_follower import REPLAN_S
-        from vpf_sim.planning.lane.speed.clear_distance import speed_within_clear_distance
 
-        allowed, lane = self._setup.speed_reference_mps, self._variant.lane_planner
-        if lane is not None and lane.clear_distance is not None:
-            range_m = perception.low_range_m
-            allowed = min(allowed, speed_within_clear_distance(range_m, lane.clear_distance, lane.braking, self._setup))
-        seen = max(perception.road.confidence, perception.road.lane_confidence) > 0.0
-        self._lost_m = 0.0 if seen else self._lost_m + observation.speed_mps * REPLAN_S
-        if not seen:
-            allowed = min(allowed, self._lost_road.speed_mps if self._lost_m < self._lost_road.way_m else 0.0)
+        in_sight = self._in_sight.limit(perception, observation.speed_mps * REPLAN_S)
+        allowed = min(self._setup.speed_reference_mps, in_sight)
         return self._perceiver.stop_when_blind(Reference(observation.yaw_rad, allowed), observation).speed_mps
 
     def _follow(self, perception: Perception, observation: Observation) -> Command:

@@ -22,6 +22,7 @@ from vpf_sim.perception.plausible import PlausibilityConfig
 from vpf_sim.perception.road.road_settings import RoadEdgeConfig
 from vpf_sim.planning.lane.lane_settings import LanePlannerConfig
 from vpf_sim.planning.paper.planner import PaperPlannerConfig
+from vpf_sim.planning.visibility import VisibilityConfig
 from vpf_sim.scene.scene_settings import SceneConfig
 
 PACKAGE = "vpf_sim.planning.variants"
@@ -72,6 +73,7 @@ class Variant:
     scene: SceneConfig | None = setting("Tracks of all that is on the road, for `vpf-scene`.", default=None)
     controller: ControllerConfig | None = setting("Changes of the gains.", default=None)
     paper_planner: PaperPlannerConfig | None = setting("The paper's potential fields.", default=None)
+    visibility: VisibilityConfig | None = setting("Speed where little is seen.", default=None)
     lane_planner: LanePlannerConfig | None = setting("Lateral cost, path and speed in the lane.", default=None)
 
     def __post_init__(self) -> None:
@@ -80,6 +82,8 @@ class Variant:
         for key in "lane_planner", "moving_obstacles", "crossing", "scene":
             if getattr(self, key) is not None and self.static_obstacles is None:
                 raise ValueError(f"[{key}] needs [static_obstacles]")
+        if self.lane_planner is not None and self.visibility is None:
+            raise ValueError("[lane_planner] needs [visibility]")
 
 
 SECTIONS = [key for key, hint in keys(Variant).items() if sections(hint)]

@@ -50,16 +50,7 @@ class UnseenConfig:
 
 
 @settings
-class LostRoadConfig:
-    """Speed where the road is not visible."""
-
-    speed_mps: float = setting("Largest speed.", ge=0.0)
-    way_m: float = setting("Way after which the car stops.", ge=0.0)
-
-
-@settings
 class SceneConfig:
     tracker: TrackerConfig = setting("Motion of tracks, and how long they last.")
     existence: ExistenceConfig = setting("What detections add to a track's existence.")
     unseen: UnseenConfig = setting("Traffic that the camera does not see.")
-    lost_road: LostRoadConfig = setting("Speed where the road is not visible.")

@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 from bicycle import Bicycle
 from ideal import Body, Eyes, Road, clearance, perception
-from lane_planner import CLEARANCE, ROBUST
+from lane_planner import CLEARANCE, ROBUST, lane_planner
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.driver_interface import DriverSetup
-from vpf_sim.planning.lane.planner import LanePlanner
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats
 
@@ -42,7 +41,7 @@ def drive(
     x, y = road.point(0.0, start_m)
     car = Bicycle(float(x), float(y), rate_hz=rate_hz)
     setup = DriverSetup(Camera(), car.model, rate_hz, 5.55, (1e3, 0.0), 0)
-    way, hands = LanePlanner(setup, ROBUST), Gtsmc(load_gains("robust"), car.model, rate_hz)
+    way, hands = lane_planner(setup, ROBUST), Gtsmc(load_gains("robust"), car.model, rate_hz)
     eyes, corners = Eyes(road, bodies, range_m), [road.corners(body) for body in bodies]
     random, seen = stream(0, "ideal perception"), deque(maxlen=delay_frames + 1)
     rows, nearest = [], inf
@@ -75,7 +74,11 @@ def test_a_car_that_does_not_see_the_road_creeps_on_then_stands_until_it_does(
 ) -> None:
     road, car = Road(), Bicycle()
     setup = DriverSetup(Camera(), car.model, 60.0, 5.55, (1e3, 0.0), 0)
-    way, hands, nothing = LanePlanner(setup, ROBUST), Gtsmc(load_gains("robust"), car.model, 60.0), Eyes(road, (), 16.0)
+    way, hands, nothing = (
+        lane_planner(setup, ROBUST),
+        Gtsmc(load_gains("robust"), car.model, 60.0),
+        Eyes(road, (), 16.0),
+    )
     speeds = []
     for step in range(60 * (hidden_s + 8)):
         edges = replace(road.edges(car), confidence=0.0 if 60 <= step < 60 * (hidden_s + 1) else 1.0)

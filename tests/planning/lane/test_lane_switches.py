@@ -7,13 +7,12 @@ import pytest
 from bicycle import Bicycle
 from driver_settings import optional_sections, section_of, unwrap
 from ideal import Body, Eyes, Road, perception
-from lane_planner import ROBUST, SPEED_MPS
+from lane_planner import ROBUST, SPEED_MPS, lane_planner
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.driver_interface import DriverSetup
 from vpf_sim.planning import variant
 from vpf_sim.planning.lane.lane_settings import LanePlannerConfig
-from vpf_sim.planning.lane.planner import LanePlanner
 from vpf_sim.types import Camera
 
 RATE_HZ = 10.0
@@ -40,7 +39,7 @@ def test_a_planner_without_a_mechanism_drives(path: str, tmp_path: Path) -> None
     for start_m, obstacles in SCENES:
         road, car = Road(), Bicycle(x_m=start_m, speed_mps=0.0, rate_hz=RATE_HZ)
         setup = DriverSetup(Camera(), car.model, RATE_HZ, SPEED_MPS, (1e3, 0.0), 0)
-        planner, controller = LanePlanner(setup, config), Gtsmc(load_gains("robust"), car.model, RATE_HZ)
+        planner, controller = lane_planner(setup, config), Gtsmc(load_gains("robust"), car.model, RATE_HZ)
         eyes = Eyes(road, obstacles, 16.0)
         for _ in range(60):
             _, reference, _ = planner.step(perception(road.edges(car), eyes.look(car)), car.observe())

@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 from bicycle import Bicycle
 from ideal import Body, Eyes, Road, clearance, perception
-from lane_planner import CAR, HALF_M, RECOVERY, ROBUST, SETUP, recovery, unwrap
+from lane_planner import CAR, HALF_M, RECOVERY, ROBUST, SETUP, lane_planner, recovery, unwrap
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning.lane.frame import Lane, LaneObstacles, place
 from vpf_sim.planning.lane.lane_settings import LanePlannerConfig
-from vpf_sim.planning.lane.planner import LanePlanner
 from vpf_sim.planning.lane.recovery import Recovery
 from vpf_sim.planning.lane.recovery_candidates import STEP_M, Blockers, candidates, separation
 from vpf_sim.types import Floats, Obstacles, Reference, RoadEdges
@@ -35,7 +34,7 @@ def drive(
     road, car = Road(curvature_per_m), Bicycle(speed_mps=0.0)
     x, y = road.point(20.0, 0.0)
     car.x_m, car.y_m, car.yaw_rad = float(x), float(y), curvature_per_m * 20.0
-    way, hands = LanePlanner(SETUP, config), Gtsmc(load_gains("robust"), car.model, 60.0)
+    way, hands = lane_planner(SETUP, config), Gtsmc(load_gains("robust"), car.model, 60.0)
     eyes, corners, nearest, turned = Eyes(road, bodies, 16.0), [road.corners(body) for body in bodies], inf, 0.0
     while car.time_s < time_s and road.local(car.x_m, car.y_m)[0] < 40.0:
         _, reference, _ = way.step(perception(road.edges(car), eyes.look(car)), car.observe())
@@ -73,7 +72,7 @@ def test_the_car_is_turned_as_its_manoeuvre_is(curvature_per_m: float) -> None:
     road, car = Road(curvature_per_m), Bicycle(speed_mps=0.0)
     x, y = road.point(20.0, 0.0)
     car.x_m, car.y_m, car.yaw_rad = float(x), float(y), curvature_per_m * 20.0
-    way, hands = LanePlanner(SETUP, ROBUST), Gtsmc(load_gains("robust"), CAR, 60.0)
+    way, hands = lane_planner(SETUP, ROBUST), Gtsmc(load_gains("robust"), CAR, 60.0)
     eyes, off = Eyes(road, DEAD_END, 16.0), []
     while car.time_s < 40.0 and road.local(car.x_m, car.y_m)[0] < 40.0:
         _, reference, _ = way.step(perception(road.edges(car), eyes.look(car)), car.observe())

@@ -23,7 +23,6 @@ class BrakingConfig:
     reaction_s: float = setting("Time until brake or steering takes effect.", ge=0.0)
     standoff_m: float = setting("Distance to an obstacle that is kept when stopping.", gt=0.0)
     closest_standoff_m: float = setting("Distance to an obstacle that is kept when creeping up to it.", gt=0.0)
-    cautious_mps: float = setting("Least speed where little of the road is visible.", gt=0.0)
     rise_mps2: float = setting("Acceleration of the speed reference.", gt=0.0)
 
 
@@ -245,18 +244,7 @@ class SpeedConfig:
 
 
 @settings
-class ClearDistanceConfig:
-    """The stop that must be possible within what is seen."""
-
-    brake_mps2: float = setting("Deceleration of the stop.", gt=0.0)
-    standoff_m: float = setting("Distance from the obstacle at which the car stops.", gt=0.0)
-    enough_share: float = setting("Share of the reference speed that a good view allows.", gt=0.0)
-
-
-@settings
 class LanePlannerConfig:
-    lost_road_mps: float = setting("Speed where the road is not visible.", gt=0.0)
-    lost_road_m: float = setting("Distance without a visible road after which the car stops.", gt=0.0)
     clearance: ClearanceConfig
     braking: BrakingConfig
     obstacles: ObstacleConfig
@@ -265,5 +253,4 @@ class LanePlannerConfig:
     correction: CorrectionConfig
     path: PathConfig | None = setting("Leads to the minimum with least jerk instead of straight.", default=None)
     speed: SpeedConfig | None = setting("Adapts the speed to what is ahead.", default=None)
-    clear_distance: ClearDistanceConfig | None = setting("Slows where little of the road is seen.", default=None)
     recovery: RecoveryConfig | None = setting("Turns out of a dead end on the tightest curve.", default=None)

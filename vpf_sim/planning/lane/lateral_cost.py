@@ -29,7 +29,7 @@ from vpf_sim.planning.lane.gap_cost import narrowness
 from vpf_sim.planning.lane.kinematic_limits import KinematicLimits
 from vpf_sim.planning.lane.lane_settings import BesideConfig, LanePlannerConfig, LatchConfig
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
-from vpf_sim.planning.lane.stopping_distance import stopping_way
+from vpf_sim.planning.stopping_distance import stopping_way
 from vpf_sim.types import Bools, Floats
 
 TIE = 1e-9

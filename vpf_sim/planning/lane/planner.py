@@ -1,7 +1,6 @@
 """The lane planner: to the minimum of the lateral cost, along the road's direction."""
 
 from dataclasses import dataclass, replace
-from math import inf
 
 import numpy as np
 
@@ -13,8 +12,8 @@ from vpf_sim.planning.lane.lateral_cost import CostProfile, LateralCost
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.recovery import Recovery
 from vpf_sim.planning.lane.reference import LaneReference
-from vpf_sim.planning.lane.speed.clear_distance import speed_within_clear_distance
-from vpf_sim.types import Force, Obstacles, Perception, PlanDetails, Reference, RoadEdges
+from vpf_sim.planning.visibility import SpeedInSight
+from vpf_sim.types import Force, Obstacles, Perception, PlanDetails, Reference
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,14 +29,13 @@ class LanePlan(PlanDetails):
 class LanePlanner:
     """Follows the minimum of the lateral cost from frame to frame."""
 
-    def __init__(self, setup: DriverSetup, config: LanePlannerConfig) -> None:
-        self._setup, self._config = setup, config
+    def __init__(self, setup: DriverSetup, config: LanePlannerConfig, in_sight: SpeedInSight) -> None:
+        self._setup, self._config, self._in_sight = setup, config, in_sight
         kinematics = KinematicLimits(config, setup.vehicle)
         self._empty = ObstacleGeometry(NOTHING, config, setup)
         self._cost = LateralCost(config, setup, kinematics)
         self._reference = LaneReference(config, setup, kinematics)
         self._recovery = Recovery(config.recovery, config, setup) if config.recovery else None
-        self._lost_m = 0.0  # way since the road was seen
         self._allowed_mps = setup.speed_reference_mps  # by what is seen
 
     @property
@@ -63,23 +61,14 @@ class LanePlanner:
 
         This limit falls as the car may brake from its speed, and rises gently.
         """
-        allowed, config, braking = inf, self._config, self._config.braking
-        if config.clear_distance is not None:
-            sight_m = perception.low_range_m
-            allowed = speed_within_clear_distance(sight_m, config.clear_distance, braking, self._setup)
-        allowed = min(allowed, self._on_road(perception.road, speed_mps))
+        allowed, braking = (
+            self._in_sight.limit(perception, speed_mps * (1.0 / self._setup.rate_hz)),
+            self._config.braking,
+        )
         least = min(self._allowed_mps, speed_mps) - braking.emergency_mps2 / self._setup.rate_hz
         most = self._allowed_mps + braking.rise_mps2 / self._setup.rate_hz
         self._allowed_mps = allowed = min(max(allowed, least), most, self._setup.speed_reference_mps)
         return replace(reference, speed_mps=allowed) if allowed < reference.speed_mps else reference
-
-    def _on_road(self, road: RoadEdges, speed_mps: float) -> float:
-        """m/s at most where the road is not seen, 0 after some way without it; inf where it is seen."""
-        if max(road.confidence, road.lane_confidence) > 0.0:
-            self._lost_m = 0.0
-            return inf
-        self._lost_m += speed_mps * (1.0 / self._setup.rate_hz)
-        return self._config.lost_road_mps if self._lost_m < self._config.lost_road_m else 0.0
 
     def _recovered(
         self, lane: Lane, obstacles: Obstacles, observation: Observation, wanted: Reference
@@ -93,7 +82,7 @@ class LanePlanner:
         was_driven = self.is_recovering
         turned = self._recovery.update(lane, obstacles, observation, wanted)
         if was_driven or turned is not None:
-            self._lost_m = 0.0
+            self._in_sight.restart()
             self._cost.keep(lane.y_m)
             self._reference.restart(observation.speed_mps)
         return turned

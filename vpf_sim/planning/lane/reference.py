@@ -22,7 +22,7 @@ from vpf_sim.planning.lane.lane_settings import LanePlannerConfig, PathConfig, W
 from vpf_sim.planning.lane.lateral_path import LateralPath
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.speed.limits import SpeedLimits
-from vpf_sim.planning.lane.stopping_distance import stopping_way
+from vpf_sim.planning.stopping_distance import stopping_way
 from vpf_sim.types import Reference
 
 
