@@ -14,7 +14,7 @@ CHANGES = [
     {"gains", "controller"},
     {"odometry"},
     {"camera_pitch"},
-    {"static_obstacles", "lane_planner", "paper_planner", "obstacle_map"},
+    {"static_obstacles", "visibility", "lane_planner", "paper_planner", "obstacle_map"},
     {"moving_obstacles"},
 ]
 

@@ -61,10 +61,8 @@ class LanePlanner:
 
         This limit falls as the car may brake from its speed, and rises gently.
         """
-        allowed, braking = (
-            self._in_sight.limit(perception, speed_mps * (1.0 / self._setup.rate_hz)),
-            self._config.braking,
-        )
+        braking = self._config.braking
+        allowed = self._in_sight.limit(perception, speed_mps * (1.0 / self._setup.rate_hz))
         least = min(self._allowed_mps, speed_mps) - braking.emergency_mps2 / self._setup.rate_hz
         most = self._allowed_mps + braking.rise_mps2 / self._setup.rate_hz
         self._allowed_mps = allowed = min(max(allowed, least), most, self._setup.speed_reference_mps)
