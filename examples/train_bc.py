@@ -113,8 +113,8 @@ if __name__ == "__main__":
         metavar="DRIVER",
         help="a driver by name, which labels every decision",
     )
-    parser.add_argument("--rounds", type=int, default=6, help="of collecting and fitting")
-    parser.add_argument("--drives", type=int, default=60, help="of a round; the first has twice as many")
+    parser.add_argument("--rounds", type=int, default=8, help="of collecting and fitting")
+    parser.add_argument("--drives", type=int, default=70, help="of a round; the first has twice as many")
     parser.add_argument("--decisions", type=int, default=400, help="longest drive, at 20 a second")
     parser.add_argument("--epochs", type=int, default=2, help="of a round; the last has three times as many")
     parser.add_argument("--seed", type=int, default=0, help="first of the drives' seeds")
