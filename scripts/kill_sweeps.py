@@ -1,10 +1,10 @@
-"""Kill sweeps at random times and resume them: records, steps and tables must equal an undisturbed sweep.
+"""Kill sweeps at random times and resume them: the result must be that of an undisturbed sweep, with nothing lost.
 
     python scripts/kill_sweeps.py --rounds 20 --seed 0 --out /tmp/kills
 
 Each round starts a sweep with two workers. At a random time the parent is killed or interrupted, or a worker is killed;
-after a kill of the parent, the last record may be truncated. The sweep is resumed until it finishes. Exit code 1 if any
-round differs.
+after a kill of the parent, the last record may be truncated. The sweep is resumed until it finishes. Records, steps and
+tables must be equal, and no episode that had been finished may be driven again. Exit code 1 if any round differs.
 """
 
 import argparse
@@ -18,6 +18,7 @@ from pathlib import Path
 from subprocess import DEVNULL
 from time import sleep
 
+from vpf_sim.evaluation.score_keys import Json
 from vpf_sim.evaluation.sweeps.run_folder import read_lines
 
 SCENARIO = """
@@ -50,6 +51,12 @@ def contents(out: Path) -> Contents:
     return sorted(lines), steps, (out / "summary.json").read_bytes()
 
 
+def finished(out: Path) -> dict[str, Json]:
+    """The timing of each episode with a record, which is another one if it is driven again."""
+    timing = {row["id"]: row for row in read_lines(out / "timing.jsonl")}
+    return {row["id"]: timing[row["id"]] for row in read_lines(out / "episodes.jsonl")}
+
+
 def workers_of(parent: int) -> list[int]:
     """The process ids of a sweep's workers."""
     try:
@@ -79,8 +86,8 @@ def truncate(out: Path) -> None:
             file.write('{"accuracy": {"shadow": {"thro')
 
 
-def session(folder: Path, out: Path, choice: random.Random) -> str:
-    """Start or resume the sweep, disturb it once, and wait for its end; returns what happened."""
+def session(folder: Path, out: Path, choice: random.Random) -> tuple[str, dict[str, Json]]:
+    """Start or resume the sweep, disturb it once, and wait for its end; what happened, and what was finished."""
     before = len(read_lines(out / "episodes.jsonl"))
     wait_for = choice.randint(min(before, 2 * SEEDS - 1), 2 * SEEDS - 1) if choice.random() < 0.8 else 0
     with subprocess.Popen(sweep(folder, out, "--workers", "2"), stdout=DEVNULL, stderr=DEVNULL) as running:
@@ -88,20 +95,25 @@ def session(folder: Path, out: Path, choice: random.Random) -> str:
             sleep(0.01)
         sleep(choice.uniform(0.0, LATER_S))
         if running.poll() is not None:
-            return "it had ended"
+            return "it had ended", finished(out)
         victim = disturb(running, choice)
-    stored = len(read_lines(out / "episodes.jsonl"))
+    stored = finished(out)
     truncated = victim == "parent" and choice.random() < 0.5
     if truncated:
         truncate(out)
-    return f"{victim} after {wait_for}, {stored} stored at its end{', line truncated' * truncated}"
+    return f"{victim} after {wait_for}, {len(stored)} stored at its end{', line truncated' * truncated}", stored
 
 
-def killed(folder: Path, out: Path, choice: random.Random) -> str:
-    """Run one round; returns what happened in its sessions."""
-    events = [session(folder, out, choice) for _ in range(choice.randint(1, DISTURBANCES))]
+def killed(folder: Path, out: Path, choice: random.Random) -> tuple[str, int]:
+    """Run one round; what happened in its sessions, and how many finished episodes were lost."""
+    events, kept = [], dict[str, Json]()
+    for _ in range(choice.randint(1, DISTURBANCES)):
+        event, stored = session(folder, out, choice)
+        events.append(event)
+        kept = {**stored, **kept}
     subprocess.run(sweep(folder, out, "--workers", "2"), check=True, stdout=DEVNULL, stderr=DEVNULL)
-    return "; ".join(events)
+    at_the_end = finished(out)
+    return "; ".join(events), sum(at_the_end.get(name) != timing for name, timing in kept.items())
 
 
 def undisturbed(folder: Path) -> Contents:
@@ -120,15 +132,19 @@ def main() -> None:
     folder.mkdir(parents=True)
     (folder / "short.toml").write_text(SCENARIO)
     wanted = undisturbed(folder)
-    choice, equal = random.Random(arguments.seed), 0
+    choice, equal, all_lost = random.Random(arguments.seed), 0, 0
     for number in range(arguments.rounds):
-        events = killed(folder, folder / f"round-{number}", choice)
+        events, lost = killed(folder, folder / f"round-{number}", choice)
         lines, *rest = contents(folder / f"round-{number}")
         same = (lines, *rest) == wanted
-        equal += same
-        print(f"round {number}: {events}: {len(lines)} records, {'equal' if same else 'DIFFERENT'}", flush=True)
-    print(f"{equal} of {arguments.rounds} rounds equal to the undisturbed sweep of {len(wanted[0])} episodes")
-    sys.exit(0 if equal == arguments.rounds else 1)
+        equal, all_lost = equal + same, all_lost + lost
+        print(
+            f"round {number}: {events}: {len(lines)} records, {'equal' if same else 'DIFFERENT'}, {lost} lost",
+            flush=True,
+        )
+    equals = f"{equal} of {arguments.rounds} rounds equal to the undisturbed sweep"
+    print(f"{equals} of {len(wanted[0])} episodes, {all_lost} lost")
+    sys.exit(0 if equal == arguments.rounds and not all_lost else 1)
 
 
 if __name__ == "__main__":

@@ -15,4 +15,4 @@ def test_killed_sweeps_resume_to_the_same_records(tmp_path: Path) -> None:
     command = [sys.executable, str(SCRIPT), "--rounds", "3", "--seed", "1", "--out", str(tmp_path / "kills")]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stdout.splitlines()[-1] == "3 of 3 rounds equal to the undisturbed sweep of 12 episodes"
+    assert done.stdout.splitlines()[-1] == "3 of 3 rounds equal to the undisturbed sweep of 12 episodes, 0 lost"

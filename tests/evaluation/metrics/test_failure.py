@@ -69,6 +69,7 @@ STANDING: Change = {"speed_mps": STOPPED, "reference_mps": 0.0, "free_m": np.whe
         ("planning", {"near_confirmed_m": np.nan, "near_sticks_out_m": np.nan, "near_bearing_rad": -1.2}),  # beside it
         ("planning", {"near_sticks_out_m": np.nan, "near_bearing_rad": 0.9}),  # passed, and turned into
         ("missed", {"near_confirmed_m": np.nan, "near_bearing_rad": np.where(TO_GO_M < 5.0, 0.9, 0.6)}),
+        ("planning", {"near_confirmed_m": np.nan, "near_bearing_rad": np.where(TO_GO_M < 3.0, -0.6, -1.5)}),
         ("late", {"near_confirmed_m": np.where(TO_GO_M < 3.0, 3.0, np.nan)}),
         ("planning", {"near_confirmed_m": np.where(TO_GO_M < 6.0, 6.0, np.nan)}),  # 4.2 m are needed
         ("misplaced", {"near_sticks_out_m": 0.6}),

@@ -85,7 +85,7 @@ def _of_collision(frames: _Frames, perceives: bool) -> Failure | None:
     if not perceives:
         return None
     table = frames.table
-    unseen: Failure | None = "missed" if (np.abs(frames.of("near_bearing_rad")) < SIGHT_RAD).any() else None
+    unseen: Failure | None = "missed" if frames.mostly(np.abs(frames.of("near_bearing_rad")) < SIGHT_RAD) else None
     confirmed_m = float(frames.of("near_confirmed_m")[-1])
     if np.isnan(confirmed_m):
         return unseen
