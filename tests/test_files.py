@@ -10,8 +10,8 @@ import pytest
 from little_room import limited
 from systems import POSIX_ONLY
 
-from vpf_sim.evaluation.gate.cells import Cell
 from vpf_sim.evaluation.gate.checks import Check
+from vpf_sim.evaluation.gate.run_cells import Cell
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.steps import write as write_steps

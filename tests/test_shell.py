@@ -9,8 +9,8 @@ import pytest
 from systems import POSIX_ONLY
 
 from vpf_sim import system
-from vpf_sim.evaluation.gate.cells import Cell
 from vpf_sim.evaluation.gate.checks import drive_command
+from vpf_sim.evaluation.gate.run_cells import Cell
 from vpf_sim.system import command
 
 ROOT = Path(__file__).parents[1]

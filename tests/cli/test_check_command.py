@@ -10,8 +10,8 @@ import pytest
 from gated_runs import Change, lost, run, spread
 
 from vpf_sim import cli
-from vpf_sim.evaluation.gate.cells import Cell
 from vpf_sim.evaluation.gate.checks import Check
+from vpf_sim.evaluation.gate.run_cells import Cell
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.sweeps.plan import Plan
 

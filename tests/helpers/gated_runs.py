@@ -9,9 +9,9 @@ from stored import record, records, store
 
 from vpf_sim.evaluation.analysis.summary import summarize
 from vpf_sim.evaluation.gate import gate
-from vpf_sim.evaluation.gate.cells import read_run
 from vpf_sim.evaluation.gate.checks import Check
 from vpf_sim.evaluation.gate.rules import read_rules
+from vpf_sim.evaluation.gate.run_cells import read_run
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.sweeps.plan import Plan
 

@@ -24,8 +24,8 @@ from vpf_sim.evaluation.metrics.records import Record, unscored
 from vpf_sim.evaluation.sweeps.manifest import Manifest
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import RunFolder
-from vpf_sim.reporting import cells, clips, headline, page
-from vpf_sim.reporting.cells import DRIVING, Order
+from vpf_sim.reporting import clips, headline, main_table, page
+from vpf_sim.reporting.main_table import DRIVING, Order
 from vpf_sim.reporting.run_data import open_run
 
 VOID = {"meta", "link", "br"}
@@ -302,17 +302,17 @@ def test_the_answer_of_one_driver_says_where_it_failed() -> None:
 
 
 def test_a_driver_without_success_has_no_figures_of_its_path() -> None:
-    (group,) = cells.groups([row("vpf", "town04", 0)], ORDER)
+    (group,) = main_table.groups([row("vpf", "town04", 0)], ORDER)
     (shown,) = group.rows
     assert (shown.successes, shown.endings) == (0, "4 collision, 1 not driven")
     assert [cell.text for cell in shown.cells[:3]] == ["–", "–", "–"]
-    (shown,) = cells.groups([row("vpf", "town04", 5, -0.0)], ORDER)[0].rows
+    (shown,) = main_table.groups([row("vpf", "town04", 5, -0.0)], ORDER)[0].rows
     assert shown.cells[0].text == "0.000"
 
 
 def test_intervals_are_read_from_the_summary() -> None:
     intervals = {"success_rate": [0.478, 1.0], "path_mse_m2": [-0.01, 0.5], "accuracy": None}
-    (shown,) = cells.groups([row("vpf", "town04", 5, 0.2, intervals=intervals)], ORDER)[0].rows
+    (shown,) = main_table.groups([row("vpf", "town04", 5, 0.2, intervals=intervals)], ORDER)[0].rows
     assert shown.interval == "48 to 100"
     assert shown.cells[0].beside == "−0.010 to 0.500"
     assert shown.cells[1].beside == ""

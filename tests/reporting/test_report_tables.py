@@ -9,7 +9,7 @@ from vpf_sim.evaluation.analysis.statistics import Difference, Interval
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.reporting import endings, tables
-from vpf_sim.reporting.cells import Order
+from vpf_sim.reporting.main_table import Order
 
 ORDER = Order(("town04",), ("clear", "rain"), ("vpf", "pid"))
 

@@ -35,8 +35,8 @@ def check(
 ) -> None:
     """Check a run against rules; exit code 1 if it fails any."""
     from vpf_sim.evaluation.gate import gate
-    from vpf_sim.evaluation.gate.cells import read_run
     from vpf_sim.evaluation.gate.rules import DEFAULT_RULES, read_rules
+    from vpf_sim.evaluation.gate.run_cells import read_run
     from vpf_sim.reporting.check_files import write_junit, write_markdown
 
     junit, markdown = output_file("junit", junit), output_file("markdown", markdown)

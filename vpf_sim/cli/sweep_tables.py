@@ -10,7 +10,7 @@ from vpf_sim.evaluation.analysis.rows import Comparison, Row, Summary, read_summ
 from vpf_sim.evaluation.analysis.statistics import Difference
 from vpf_sim.evaluation.metrics.metric import Metric
 from vpf_sim.evaluation.metrics.registry import DRIVING_SCORE, LEAST_CLEARANCE, PATH_MSE, STEERING, SUCCESS, THROTTLE
-from vpf_sim.reporting.cells import shown as short
+from vpf_sim.reporting.main_table import shown as short
 
 COLUMNS = {  # what a screen has room for
     f"MSE {plain_unit(PATH_MSE)}": PATH_MSE,

@@ -12,7 +12,7 @@ from vpf_sim import __version__
 from vpf_sim.datasets.formats import Written
 from vpf_sim.datasets.played_episode import Contents
 from vpf_sim.evaluation.sweeps.fingerprint import commit_of
-from vpf_sim.reporting.cells import shown
+from vpf_sim.reporting.main_table import shown
 from vpf_sim.reporting.run_data import StoredRun
 from vpf_sim.types import Floats, Image, Integers
 

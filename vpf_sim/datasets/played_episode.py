@@ -21,7 +21,7 @@ from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.egomotion.flow import grey
-from vpf_sim.reporting import cells
+from vpf_sim.reporting import main_table
 from vpf_sim.types import Bools, Camera, Floats, Image
 
 STATE = ("speed_mps", "yaw_rate_radps", "x_m", "y_m", "yaw_rad", "goal_forward_m", "goal_right_m")
@@ -113,7 +113,7 @@ def _checked_size(size: object) -> tuple[int, int]:
 
 def task_of(record: Record) -> str:
     """What is to be done in an episode, in words."""
-    return f"Drive to the goal. Road: {cells.shown(record.scenario)}. Weather: {cells.shown(record.weather)}."
+    return f"Drive to the goal. Road: {main_table.shown(record.scenario)}. Weather: {main_table.shown(record.weather)}."
 
 
 class Frame(NamedTuple):

@@ -8,9 +8,9 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation.analysis.abilities import AbilityRow, Share, base_of, by_ability
 from vpf_sim.evaluation.analysis.statistics import Difference
 from vpf_sim.evaluation.metrics.failure import Failure
-from vpf_sim.reporting.cells import shown
 from vpf_sim.reporting.endings import class_of
 from vpf_sim.reporting.kit.page import NONE, Line, Table, Value, formatted, interval_text
+from vpf_sim.reporting.main_table import shown
 from vpf_sim.reporting.run_data import RunData
 from vpf_sim.scenarios import Ability
 

@@ -7,10 +7,10 @@ from vpf_sim.evaluation.analysis.statistics import share_interval
 from vpf_sim.evaluation.metrics.registry import SUCCESS
 from vpf_sim.evaluation.sweeps.manifest import change
 from vpf_sim.reporting import changes, endings, headline, video
-from vpf_sim.reporting.cells import shown
 from vpf_sim.reporting.kit import interval_chart
 from vpf_sim.reporting.kit.interval_chart import Dot
 from vpf_sim.reporting.kit.page import NONE, Line, Table, Value, formatted, interval_text, render
+from vpf_sim.reporting.main_table import shown
 from vpf_sim.reporting.two_runs import AGAINST, SCORES, Cell, Compared, Pair, TwoRuns, compared
 
 ORDER = ("worse", "better", "undecided", "same")  # of scores

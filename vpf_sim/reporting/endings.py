@@ -10,8 +10,8 @@ from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.failure import PERCEPTION, Failure
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.metrics.registry import COMPLETION
-from vpf_sim.reporting.cells import Order, shown, text_of
 from vpf_sim.reporting.kit.page import NONE, Table, formatted
+from vpf_sim.reporting.main_table import Order, shown, text_of
 
 MOST_REASON = 160  # letters
 SIGNS = {

@@ -7,9 +7,9 @@ from vpf_sim.evaluation.metrics.registry import CLEARANCE, COMPLETION, PATH_MSE
 from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.reporting import figures, paths
-from vpf_sim.reporting.cells import text_of
 from vpf_sim.reporting.kit.chart import Axis, Figure, Plot, reach
 from vpf_sim.reporting.kit.page import render
+from vpf_sim.reporting.main_table import text_of
 from vpf_sim.reporting.road_layout import layouts
 
 STYLE = "d0"  # the first driver's

@@ -13,9 +13,9 @@ from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.metrics.registry import columns
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.reporting import paths
-from vpf_sim.reporting.cells import Order, shown
 from vpf_sim.reporting.kit import interval_chart
 from vpf_sim.reporting.kit.chart import Axis, Figure, Plot, reach
+from vpf_sim.reporting.main_table import Order, shown
 from vpf_sim.reporting.paths import Track
 from vpf_sim.reporting.road_layout import layouts
 from vpf_sim.reporting.run_data import RunData, StoredRun

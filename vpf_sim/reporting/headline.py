@@ -12,8 +12,8 @@ from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.metrics.registry import PATH_MSE
 from vpf_sim.evaluation.sweeps.plan import Plan, parse_seeds
-from vpf_sim.reporting.cells import Order, shown, text_of
 from vpf_sim.reporting.kit.page import formatted, interval_text
+from vpf_sim.reporting.main_table import Order, shown, text_of
 
 WHAT = {"town04-clean": "without obstacles", "town04": "with obstacles"}
 MOST_NAMES = 4  # in a title

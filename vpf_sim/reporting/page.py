@@ -3,11 +3,11 @@
 from collections.abc import Callable
 
 from vpf_sim.errors import InputError
-from vpf_sim.reporting import abilities, cells, clips, endings, figures, headline, tables, video
-from vpf_sim.reporting.cells import shown
+from vpf_sim.reporting import abilities, clips, endings, figures, headline, main_table, tables, video
 from vpf_sim.reporting.clips import EpisodeClip
 from vpf_sim.reporting.kit import interval_chart
 from vpf_sim.reporting.kit.page import Content, render
+from vpf_sim.reporting.main_table import shown
 from vpf_sim.reporting.run_data import RunData, StoredRun
 from vpf_sim.system import command
 
@@ -60,8 +60,8 @@ def _tables(run_data: RunData) -> Content:
     compared = run_data.summary.comparisons
     return {
         "abilities": abilities.abilities(run_data),
-        "columns": cells.DRIVING,
-        "groups": cells.groups(rows, order),
+        "columns": main_table.DRIVING,
+        "groups": main_table.groups(rows, order),
         "open_groups": MOST_OPEN,
         "has_paper": any(row.paper for row in rows),
         "accuracies": [(name, tables.by_definition(rows, order, name)) for name in tables.SIGNALS],

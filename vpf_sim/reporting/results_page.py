@@ -10,8 +10,8 @@ from vpf_sim.evaluation.metrics.registry import AT_FAULT, COLLISIONS, SUCCESS, c
 from vpf_sim.evaluation.sweeps.fingerprint import commit_of
 from vpf_sim.evaluation.sweeps.plan import Plan, parse_seeds
 from vpf_sim.reporting import abilities
-from vpf_sim.reporting.cells import cell, driver_row, shown, text_of
 from vpf_sim.reporting.kit.page import NONE, Cell, Table, Value
+from vpf_sim.reporting.main_table import cell, driver_row, shown, text_of
 from vpf_sim.reporting.run_data import RunData, open_run
 from vpf_sim.reporting.tables import OBJECTS, PERCEPTION, perception
 

@@ -16,7 +16,7 @@ from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.evaluation.sweeps.manifest import MANIFEST, Manifest, read_manifest
 from vpf_sim.evaluation.sweeps.plan import Plan, make_plan
 from vpf_sim.evaluation.sweeps.run_folder import read_records, read_timing
-from vpf_sim.reporting.cells import Order
+from vpf_sim.reporting.main_table import Order
 from vpf_sim.system import command
 
 SUMMARY = "summary.json"

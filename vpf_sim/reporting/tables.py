@@ -10,8 +10,8 @@ from vpf_sim.evaluation.analysis.summary import WIDTHS
 from vpf_sim.evaluation.metrics.metric import Metric
 from vpf_sim.evaluation.metrics.records import Record, Timing
 from vpf_sim.evaluation.metrics.registry import BY_PART, COMFORTABLE, FOE, PASSING, PATH_MSE, SUCCESS, columns
-from vpf_sim.reporting.cells import Order, ends_of, shown, text_of
 from vpf_sim.reporting.kit.page import NONE, Line, Table, Value, formatted, interval_text
+from vpf_sim.reporting.main_table import Order, ends_of, shown, text_of
 
 PERCEPTION, OBJECTS, COMPARED = (columns(table) for table in ("perception", "objects", "pairs"))
 STAGES = {  # column -> stages of timing.jsonl that it adds up

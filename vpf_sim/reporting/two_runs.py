@@ -15,8 +15,8 @@ from vpf_sim.evaluation.metrics.metric import Metric
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.metrics.registry import SUCCESS, columns
 from vpf_sim.evaluation.score_keys import Json
-from vpf_sim.reporting.cells import shown
 from vpf_sim.reporting.headline import title
+from vpf_sim.reporting.main_table import shown
 from vpf_sim.reporting.run_data import RunData, open_run
 
 Verdict = Literal["better", "worse", "same", "undecided"]

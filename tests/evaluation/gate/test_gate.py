@@ -6,9 +6,9 @@ import pytest
 from gated_runs import Change, checks, lost, only, spread
 
 from vpf_sim.errors import InputError
-from vpf_sim.evaluation.gate.cells import Cell
 from vpf_sim.evaluation.gate.checks import Check
 from vpf_sim.evaluation.gate.rules import BOUNDS, score_of
+from vpf_sim.evaluation.gate.run_cells import Cell
 from vpf_sim.evaluation.metrics.registry import with_rules
 
 

@@ -18,8 +18,8 @@ from vpf_sim.evaluation.analysis.statistics import (
     paired_shares,
     share_interval,
 )
-from vpf_sim.evaluation.gate.cells import FAULTS, METRICS, Run, read_run, values_of, worst_first
 from vpf_sim.evaluation.gate.rules import Score
+from vpf_sim.evaluation.gate.run_cells import FAULTS, METRICS, Run, read_run, values_of, worst_first
 from vpf_sim.evaluation.metrics.registry import COMFORTABLE
 from vpf_sim.files import read_text
 

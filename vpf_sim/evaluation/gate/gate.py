@@ -13,9 +13,9 @@ import numpy as np
 from vpf_sim.evaluation.analysis.rows import Cell
 from vpf_sim.evaluation.analysis.statistics import mean_interval
 from vpf_sim.evaluation.gate import baseline, perception
-from vpf_sim.evaluation.gate.cells import FAULTS, METRICS, Episodes, Run, values_of, worst_first
 from vpf_sim.evaluation.gate.checks import Check, matching, number
 from vpf_sim.evaluation.gate.rules import SCORES, Rule, Score, score_of
+from vpf_sim.evaluation.gate.run_cells import FAULTS, METRICS, Episodes, Run, values_of, worst_first
 
 PERFECT = {"success_rate": 1.0, "collisions": 0.0, "comfortable_share": 1.0}
 AGGREGATES: dict[str, Callable[[list[float]], float | None]] = {"collisions": sum, "clearance_m": min}  # others: mean

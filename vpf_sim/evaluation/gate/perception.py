@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from vpf_sim.evaluation.analysis.rows import Cell
-from vpf_sim.evaluation.gate.cells import Run, worst_first
 from vpf_sim.evaluation.gate.checks import Check, Outcome, matching, number
 from vpf_sim.evaluation.gate.rules import PerceptionBounds, Rule
+from vpf_sim.evaluation.gate.run_cells import Run, worst_first
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.perception.store import Metrics, Record, read
 
