@@ -1,4 +1,4 @@
-"""The flow of a made street in closed form: a car that drives straight past walls, and points that ride along."""
+"""The flow of a street in closed form: a car drives straight past walls, some points are fixed to the camera."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ GAP_S = 0.1
 
 
 def street(count: int, seed: int = 0) -> Floats:
-    """(count, 3) m: the road and what stands on it, walls 8 m aside."""
+    """(count, 3) m: the road, objects on it, and walls 8 m to each side."""
     rng = stream(seed, "street")
     forward = rng.uniform(6.0, 40.0, count)
     right = np.where(rng.random(count) < 0.5, rng.uniform(-4.0, 4.0, count), 8.0 * rng.choice([-1.0, 1.0], count))
@@ -19,9 +19,9 @@ def street(count: int, seed: int = 0) -> Floats:
 
 
 def flow_of(points_px: Floats, past_px: Floats, moved_m: float, on_glass: Bools | None = None) -> Flow:
-    """Points (N, 2) where they are, and where they were a window before, of a car that is told to have moved so far.
+    """The flow of points (N, 2) between two windows, of a car that moved `moved_m` by its odometer.
 
-    Which of them are `on_glass` (N,) the tracker has recognised by their lives.
+    `on_glass` (N,) are those that the tracker has recognised as fixed to the camera.
     """
     count = len(points_px)
     past = np.tile([-moved_m, 0.0, 0.0], (count, 1))
@@ -40,15 +40,15 @@ def flow_of(points_px: Floats, past_px: Floats, moved_m: float, on_glass: Bools 
     )
 
 
-def driving(speed_mps: float, count: int, stuck_px: Floats, told_mps: float = 10.0) -> Flow:
-    """`count` points of the street, and others (M, 2) that stay; the way is taken to be that of `told_mps`."""
+def driving(speed_mps: float, count: int, stuck_px: Floats, odometer_mps: float = 10.0) -> Flow:
+    """`count` points of the street, and others (M, 2) fixed to the camera; the odometer has `odometer_mps`."""
     scene, past = street(4 * count), np.array([-speed_mps * GAP_S, 0.0, 0.0])
     here = np.zeros((len(scene), 3))
     now, before = (past_image(CAMERA, scene, pose, np.zeros(3)) for pose in (here, np.tile(past, (len(scene), 1))))
     inside = np.flatnonzero(np.all((now >= 0) & (now < [CAMERA.width_px, CAMERA.height_px]), axis=1))[:count]
     points = np.concatenate([now[inside], stuck_px])
-    rides = np.arange(len(points)) >= len(inside)
-    return flow_of(points, np.concatenate([before[inside], stuck_px]), told_mps * GAP_S, rides)
+    is_fixed = np.arange(len(points)) >= len(inside)
+    return flow_of(points, np.concatenate([before[inside], stuck_px]), odometer_mps * GAP_S, is_fixed)
 
 
 def anywhere(count: int, seed: int = 3) -> Floats:

@@ -37,7 +37,7 @@ def film(
     """The pictures of a drive along a road of three lanes or a street without paint; `look` is switched on."""
     lane, road_keys = (2, PAINTED) if lines else (1, UNPAINTED)
     bend = {"kind": "arc", "length_m": LENGTH_M, "radius_m": radius_m}
-    way = bend if np.isfinite(radius_m) else {"kind": "line", "length_m": LENGTH_M}
+    segment = bend if np.isfinite(radius_m) else {"kind": "line", "length_m": LENGTH_M}
     shown = {**road_keys.get("look", {}), **dict.fromkeys(look, True)}
     road = Scenario.model_validate(
         {
@@ -45,7 +45,7 @@ def film(
             "road": {
                 **road_keys,
                 "look": shown,
-                "segments": [way],
+                "segments": [segment],
             },
             "ego": {"lane": lane},
             "goal": {"s_m": LENGTH_M - 10.0},

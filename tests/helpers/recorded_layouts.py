@@ -39,8 +39,8 @@ def truth(times_s: Floats | None = None) -> Truth:
     speed, yaw = START_MPS + ACCELERATION_MPS2 * fine, YAW_RATE_RADPS * fine
     step = np.diff(fine) * 0.5 * (speed[1:] + speed[:-1])
     middle = 0.5 * (yaw[1:] + yaw[:-1])
-    way = [np.concatenate([[0.0], np.cumsum(step * part)]) for part in (np.cos(middle), np.sin(middle))]
-    poses = np.stack([np.interp(times, fine, part) for part in (*way, yaw)], axis=1)
+    path = [np.concatenate([[0.0], np.cumsum(step * part)]) for part in (np.cos(middle), np.sin(middle))]
+    poses = np.stack([np.interp(times, fine, part) for part in (*path, yaw)], axis=1)
     return Truth(times, START_MPS + ACCELERATION_MPS2 * times, np.full(len(times), YAW_RATE_RADPS), poses)
 
 

@@ -39,7 +39,7 @@ def write(folder: Path, camera_to_world: Floats, images: int) -> None:
 
 
 def draw(pose: Floats) -> Image:
-    """(H, W) grey: the road 1.65 m below the camera's way and a wall on both sides."""
+    """(H, W) grey: the road 1.65 m below the camera, and a wall on each side."""
     columns, rows = np.meshgrid(np.arange(WIDTH, dtype=float), np.arange(HEIGHT, dtype=float))
     rays = np.stack([(columns - CENTRE[0]) / FOCAL, (rows - CENTRE[1]) / FOCAL, np.ones_like(rows)], axis=-1)
     rays = rays @ pose[:, :3].T

@@ -63,8 +63,8 @@ def test_run_folder_and_resume_name_the_faults(tmp_path: Path, capsys: pytest.Ca
     scenario.write_text('base = "straight"\n[ego.sensor_faults]\nlatency_ms = 100\n')
     command = ["replay", str(tmp_path / "bend"), "--driver", "neutral", "--no-video", "--out", str(tmp_path / "run")]
     assert cli.run([*command, "--faults", str(scenario), "--json"]) == 0
-    answer = json.loads(capsys.readouterr().out)
-    assert {row["added"] for row in answer["rows"] if row["frames"]} == {"simulated sensor faults"}
+    result = json.loads(capsys.readouterr().out)
+    assert {row["added"] for row in result["rows"] if row["frames"]} == {"simulated sensor faults"}
     assert json.loads((tmp_path / "run" / "manifest.json").read_text())["plan"]["faults"]["latency_ms"] == 100.0
     assert cli.run([*command, "--resume"]) == 2
     assert "plan changed: faults:" in capsys.readouterr().err

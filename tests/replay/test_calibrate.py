@@ -122,7 +122,7 @@ def test_gaps_and_standstill_are_ignored(straight: list[Frame]) -> None:
 def test_stopped_car_has_zero_speed(straight: list[Frame]) -> None:
     """Without road flow there is no speed to interpolate."""
     noise = stream(0, "noise of a camera that stands")
-    stays = [
+    stationary = [
         Frame(FRAMES + k, np.clip(straight[-1].image + noise.normal(0.0, 1.0, (240, 400, 1)), 0, 255).astype(np.uint8))
         for k in range(20)
         if straight[-1].image is not None
@@ -130,7 +130,7 @@ def test_stopped_car_has_zero_speed(straight: list[Frame]) -> None:
     times = np.arange(FRAMES + 20) / RATE_HZ
     camera, _ = rectify.rectified(LENS, Mounting(height_m=street.CAMERA_HEIGHT_M))
     fixed = fixed_structure.find(iter(straight), times)
-    own = calibrate.estimate(iter([*straight, *stays]), camera, times, None, None, fixed=fixed)
+    own = calibrate.estimate(iter([*straight, *stationary]), camera, times, None, None, fixed=fixed)
     assert np.nanmedian(own.speed_mps[:FRAMES]) == pytest.approx(SPEED_MPS, rel=0.08)
     assert own.speed_mps[-12:] == pytest.approx(np.zeros(12))
     assert own.yaw_rate_radps[-12:] == pytest.approx(np.zeros(12))

@@ -45,13 +45,13 @@ def test_throttle_and_brake_have_their_own_scales() -> None:
 
 def test_signals_are_interpolated_but_not_over_gaps() -> None:
     times, values = np.array([0.0, 0.1, 0.2, 1.2, 1.3]), np.array([0.0, 1.0, 2.0, 12.0, 13.0])
-    asked = np.array([-0.6, -0.2, 0.05, 0.7, 1.25, 1.7, 2.0])
-    found = series.at(asked, times, values)
+    requested = np.array([-0.6, -0.2, 0.05, 0.7, 1.25, 1.7, 2.0])
+    found = series.at(requested, times, values)
     assert found[[1, 2, 4, 5]] == pytest.approx([0.0, 0.5, 12.5, 13.0])
     assert np.isnan(found[[0, 3, 6]]).all()
     slow = series.at(np.array([0.5, 1.5]), np.array([0.0, 1.0, 2.0]), np.array([0.0, 10.0, 20.0]))
     assert slow == pytest.approx([5.0, 15.0])  # a receiver of 1 Hz has no gap there
-    assert np.isnan(series.at(asked, times, np.full(5, np.nan))).all()
+    assert np.isnan(series.at(requested, times, np.full(5, np.nan))).all()
 
 
 def test_course_is_clockwise_from_north_and_held_at_standstill() -> None:
@@ -60,8 +60,8 @@ def test_course_is_clockwise_from_north_and_held_at_standstill() -> None:
     flat = np.stack([along * np.cos(0.6), along * np.sin(0.6)], axis=1)  # north, east
     course = paths.course(times, flat)
     assert course == pytest.approx(np.full(len(times), 0.6), abs=1e-6)
-    way = paths.poses(flat, course)
-    assert way[-1] == pytest.approx([40.0, 0.0, 0.0], abs=1e-6)
+    path = paths.poses(flat, course)
+    assert path[-1] == pytest.approx([40.0, 0.0, 0.0], abs=1e-6)
     assert paths.poses(flat, np.zeros(len(times)))[-1, 1] > 0.0  # east of north is to the right
 
 

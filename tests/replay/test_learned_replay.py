@@ -1,4 +1,4 @@
-"""A learned driver on a recording: asked at its rate, hashed to resume, with a word on what is unlike its training."""
+"""A learned driver on a recording: a command for each frame, a hash to resume, warnings about unfamiliar inputs."""
 
 import json
 from dataclasses import asdict
@@ -17,7 +17,7 @@ from vpf_sim.evaluation import parquet
 WHOLE = PictureInput(width_px=8, height_px=6)
 
 
-def test_a_policy_answers_each_frame_of_a_recording(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_policy_gives_a_command_for_each_frame(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     drive, run = layouts.general(tmp_path / "cam"), tmp_path / "run"
     policy = policies.write(tmp_path, policies.constant(0.25, -0.5))
     command = ["replay", str(drive), "--driver", f"onnx:{policy}", "--no-video", "--out", str(run)]

@@ -33,8 +33,8 @@ def replay(
     code = cli.run(["replay", str(folder), "--driver", driver, "--no-video", "--out", str(out), "--json"])
     said = capsys.readouterr()
     assert (code, said.err) == (0, "")
-    answer: dict[str, Any] = json.loads(said.out)
-    return answer
+    result: dict[str, Any] = json.loads(said.out)
+    return result
 
 
 def straight(count: int = 14) -> list[Image]:
@@ -100,15 +100,15 @@ def test_yaw_rate_derived_from_steering_does_not_check_it() -> None:
 
 def test_constant_speed_gives_no_scored_throttle(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Else it would be 100.0 in the paper's row for rain."""
-    answer = replay(tmp_path / "held", straight(), f"speed_mps = 8.0\n{ORIGIN_SIGNALS}", "", capsys, "neutral")
-    (record,) = answer["drives"]
+    result = replay(tmp_path / "held", straight(), f"speed_mps = 8.0\n{ORIGIN_SIGNALS}", "", capsys, "neutral")
+    (record,) = result["drives"]
     for name in ("throttle", "steering_rad", "poses"):
         assert record["origins"][name]["kind"] == "assumed"
         assert "speed_mps is assumed" in record["origins"][name]["how"]
     assert (record["accuracy"]["throttle"], record["accuracy"]["steering"]) == (None, None)
     assert "throttle: not scored, the human's is assumed" in record["notes"]
-    assert "100 m ahead" in record["goal"], "nobody knows where it went"
-    (row,) = [row for row in answer["rows"] if row["frames"]]
+    assert "100 m ahead" in record["goal"], "its destination is unknown"
+    (row,) = [row for row in result["rows"] if row["frames"]]
     assert row["signals"] == {"throttle": "assumed", "steering": "assumed"}
     assert row["accuracy"] == row["idle"] == {"throttle": None, "steering": None}
 

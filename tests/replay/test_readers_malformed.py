@@ -230,7 +230,7 @@ def test_gap_has_a_note_and_the_rest_is_read(name: str, change: Change, note: st
     folder = copied(valid, name, tmp_path)
     change(folder)
     recording = readers.read(folder)
-    assert not note or any(note in told for told in recording.notes)
+    assert not note or any(note in one for one in recording.notes)
     assert np.isfinite(recording.speed_mps).all()
     assert np.isfinite(recording.poses).all()
 

@@ -86,8 +86,8 @@ def test_route_baseline_follows_the_driven_path(drive: Path, tmp_path: Path) -> 
 def test_command_prints_one_json_object(drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     code = cli.run(["replay", str(drive), str(drive), "--driver", "neutral", "--out", str(tmp_path / "out"), "--json"])
     assert code == 0
-    answer = json.loads(capsys.readouterr().out)
-    assert [entry["name"] for entry in answer["drives"]] == ["bend", "bend-2"]
+    result = json.loads(capsys.readouterr().out)
+    assert [entry["name"] for entry in result["drives"]] == ["bend", "bend-2"]
     for folder, suffix in (("frames", "parquet"), ("videos", "mp4")):
         written = sorted(path.name for path in (tmp_path / "out" / folder).iterdir())
         assert written == [f"bend-2.{suffix}", f"bend.{suffix}"]
@@ -123,15 +123,15 @@ def test_failing_driver_keeps_earlier_frames_and_other_drives(
         for name in ("bend", "bend-2")
     ]
     assert said.err.splitlines() == of_both
-    answer = json.loads(said.out)
-    for record in answer["drives"]:
+    result = json.loads(said.out)
+    for record in result["drives"]:
         assert record["error"] == {"frame": 2, "place": where, "what": "RuntimeError: no idea"}
         assert record["frames"] == 2
         table = frame_table.read(out / "frames" / f"{record['name']}.parquet")
         assert table.steering.tolist() == [0.0, 0.0]
         with av.open(str(out / "videos" / f"{record['name']}.mp4")) as video:
             assert sum(1 for _ in video.decode(video=0)) == 2
-    assert all(row["drives"] == [] for row in answer["rows"]), "a part of a drive is no drive"
+    assert all(row["drives"] == [] for row in result["rows"]), "an incomplete drive is not scored"
     assert f"the driver failed at frame 2, at {where}" in " ".join((out / "report.html").read_text().split())
     assert cli.run([*command, "--resume"]) == 1
 

@@ -99,9 +99,9 @@ def test_resume_skips_finished_drives(drive: Path, run: Path, capsys: pytest.Cap
     assert 'plan changed: driver: was "vpf", is "neutral"' in capsys.readouterr().err
     before = (run / "replays.jsonl").read_bytes()
     assert cli.run(["replay", str(drive), "--out", str(run), "--resume", "--json"]) == 0
-    answer = json.loads(capsys.readouterr().out)
-    assert [entry["name"] for entry in answer["drives"]] == ["bend"]
-    assert answer["drives"][0]["accuracy"]["steering"]["mae"] < 0.03
+    result = json.loads(capsys.readouterr().out)
+    assert [entry["name"] for entry in result["drives"]] == ["bend"]
+    assert result["drives"][0]["accuracy"]["steering"]["mae"] < 0.03
     assert (run / "replays.jsonl").read_bytes() == before
 
 
@@ -128,11 +128,11 @@ def test_simulated_water_has_its_own_row(drive: Path, tmp_path: Path, capsys: py
     out = tmp_path / "out"
     command = ["replay", str(drive), "--driver", "neutral", "--no-video", "--out", str(out), "--json"]
     assert cli.run([*command, "--water", "HardRainNoon"]) == 0
-    answer = json.loads(capsys.readouterr().out)
-    filled = [row for row in answer["rows"] if row["frames"]]
+    result = json.loads(capsys.readouterr().out)
+    filled = [row for row in result["rows"] if row["frames"]]
     assert [(row["weather"], row["added"]) for row in filled] == [("light rain", "simulated water of HardRainNoon")]
     assert filled[0]["paper"] is None
-    empty = [row for row in answer["rows"] if row["weather"] == "light rain" and row["paper"]]
+    empty = [row for row in result["rows"] if row["weather"] == "light rain" and row["paper"]]
     assert [row["drives"] for row in empty] == [[], []]
     assert cli.run([*command, "--water", "clear"]) == 2
     assert "--water: expected a weather with droplets > 0, got 'ClearNoon' with 0" in capsys.readouterr().err

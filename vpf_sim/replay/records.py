@@ -113,7 +113,7 @@ class Spread(Schema):
     interquartile_range: Number = None
 
 
-class Contact(Schema):
+class TtcScores(Schema):
     """The time to contact against the gap to the lead vehicle (`scores.time_to_contact`)."""
 
     frames: int = 0
@@ -130,7 +130,7 @@ class PerceptionScores(Schema):
     foe: Foe
     yaw_rate_median_error_radps: Number
     speed_scale: Spread | None  # by the flow / recorded
-    ttc: Contact | None
+    ttc: TtcScores | None
     road_found_share: Number
 
 

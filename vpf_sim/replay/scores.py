@@ -142,7 +142,7 @@ def foe_error(table: FrameTable, which: str) -> Pixels | None:
     return None if x is None or y is None else Pixels(x=round(x, 3), y=round(y, 3))
 
 
-def time_to_contact(table: FrameTable) -> records.Contact | None:
+def time_to_contact(table: FrameTable) -> records.TtcScores | None:
     """Errors against the gap to the lead vehicle; None if it is not recorded.
 
     median_error: |TTC - true| / true where the gap closes faster than 0.5 m/s, over frames with a TTC;
@@ -156,7 +156,7 @@ def time_to_contact(table: FrameTable) -> records.Contact | None:
     given = near & np.isfinite(table.ttc_s)
     error = np.abs(table.ttc_s - true)[given] / true[given]
     still = (np.abs(closing) < STANDING_MPS) & (table.speed_mps < STANDING_MPS) & (table.image == 1.0)
-    return records.Contact(
+    return records.TtcScores(
         frames=int(near.sum()),
         seen=rounded(float(given.sum() / near.sum())) if near.any() else None,
         median_error=rounded(_median(error)),

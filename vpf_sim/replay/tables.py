@@ -6,7 +6,6 @@ from vpf_sim.evaluation.score_keys import Number
 from vpf_sim.replay.records import (
     Agreement,
     Commands,
-    Contact,
     DriveRecord,
     LanePart,
     Pixels,
@@ -14,6 +13,7 @@ from vpf_sim.replay.records import (
     Spread,
     Summary,
     Timing,
+    TtcScores,
 )
 from vpf_sim.replay.scores import SIGNALS
 from vpf_sim.reporting.kit.page import Line, Table, formatted
@@ -192,7 +192,7 @@ def perception(records: Sequence[DriveRecord]) -> Table:
 
 def _perception(record: DriveRecord) -> Line:
     scores = record.perception
-    scale, ttc = scores.speed_scale or Spread(), scores.ttc or Contact()
+    scale, ttc = scores.speed_scale or Spread(), scores.ttc or TtcScores()
     return (
         record.name,
         *_pixels(record.foe_median_error_px),
