@@ -1,18 +1,29 @@
 """The first-person camera for any highway-env environment."""
 
-from typing import Any
+from typing import Any, Protocol, cast
 
 import gymnasium as gym
 import numpy as np
 from gymnasium import spaces
 from gymnasium.error import ResetNeeded
 from gymnasium.utils import RecordConstructorArgs
+from highway_env.road.road import Road
+from highway_env.vehicle.kinematics import Vehicle
 
 from vpf_sim.envs.camera import Renderer, Rig, Weather
 from vpf_sim.envs.camera.rig import checked_rig
 from vpf_sim.envs.camera.weather import load
 
 ORIGINAL = "state"  # the key of an observation that is not a dictionary
+
+
+class HighwayWorld(Protocol):
+    """What the camera uses of a highway-env environment."""
+
+    road: Road
+    vehicle: Vehicle  # the one that carries the camera
+    time: float  # s
+    np_random_seed: int
 
 
 class CameraObservation(gym.Wrapper, RecordConstructorArgs):
@@ -52,7 +63,7 @@ class CameraObservation(gym.Wrapper, RecordConstructorArgs):
         observation, info = self.env.reset(seed=seed, options=options)
         self._episodes = 0 if seed is not None else self._episodes + 1
         self._extend_space()
-        world: Any = self.env.unwrapped
+        world = cast(HighwayWorld, self.env.unwrapped)
         # no draw from the environment's own generator: its episodes stay the same with the camera
         episode_seed = int(world.np_random_seed) + self._episodes
         self.renderer = Renderer(world.road, self.rig, self.weather, episode_seed)
@@ -67,7 +78,7 @@ class CameraObservation(gym.Wrapper, RecordConstructorArgs):
         return self._observed(observation, self.renderer), reward, terminated, truncated, info
 
     def _observed(self, observation: Any, renderer: Renderer) -> dict[str, Any]:
-        world: Any = self.env.unwrapped
+        world = cast(HighwayWorld, self.env.unwrapped)
         rest = observation if isinstance(self.env.observation_space, spaces.Dict) else {ORIGINAL: observation}
         return {**rest, "image": renderer.render(world.vehicle, float(world.time))}
 

@@ -6,7 +6,6 @@ equal to the last bit.
 
 from collections.abc import Sequence
 from functools import cache
-from typing import Any
 
 import numpy as np
 from highway_env.utils import wrap_to_pi
@@ -52,7 +51,7 @@ def _has_law(kind: type) -> bool:
 class Controls:
     """Cars that follow the law, on their lanes and among all objects."""
 
-    def __init__(self, cars: Sequence[Any], table: LaneTable, neighbours: Neighbours) -> None:
+    def __init__(self, cars: Sequence[IDMVehicle], table: LaneTable, neighbours: Neighbours) -> None:
         self._cars, self._table, self._neighbours = cars, table, neighbours
         self._number = np.array([neighbours.number[id(car)] for car in cars])
         self._lane = np.array([table.number[car.lane_index] for car in cars])

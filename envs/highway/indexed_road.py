@@ -7,13 +7,13 @@ themselves. A road gets these methods by `speed_up`; highway-env's classes, and 
 
 from collections.abc import Iterable, Sequence
 from functools import cache
-from typing import Any
 
 import numpy as np
 from highway_env.road.regulation import RegulatedRoad
 from highway_env.road.road import LaneIndex, Road
 from highway_env.vehicle.behavior import IDMVehicle
 from highway_env.vehicle.kinematics import Vehicle
+from highway_env.vehicle.objects import RoadObject
 
 from vpf_sim.envs.contacts import ContactRoad
 from vpf_sim.envs.highway.idm_control import Controls, is_idm
@@ -43,7 +43,9 @@ class IndexedRoad(ContactRoad):
         finally:
             self._neighbours = None
 
-    def neighbour_vehicles(self, vehicle: Any, lane_index: LaneIndex | None = None) -> tuple[Any, Any]:
+    def neighbour_vehicles(
+        self, vehicle: Vehicle, lane_index: LaneIndex | None = None
+    ) -> tuple[RoadObject | None, RoadObject | None]:
         """The preceding and the following vehicle; from the index while cars decide."""
         here, lane_index = self._neighbours, lane_index or vehicle.lane_index
         number = None if here is None else here.number.get(id(vehicle))
@@ -52,7 +54,7 @@ class IndexedRoad(ContactRoad):
         ahead, behind = here.around(number, lane_index)
         return here.objects[ahead] if ahead >= 0 else None, here.objects[behind] if behind >= 0 else None
 
-    def move(self, vehicles: Iterable[Any], dt: float) -> None:
+    def move(self, vehicles: Iterable[Vehicle], dt: float) -> None:
         """Move vehicles for dt seconds."""
         alone = self.record_history or len(self.vehicles) < FEW
         together = [] if alone else [vehicle for vehicle in vehicles if _moves_plainly(vehicle)]
@@ -66,7 +68,7 @@ class IndexedRoad(ContactRoad):
             self._table = LaneTable(self.network)
         return self._table
 
-    def _chooses_lane(self, car: Any, table: LaneTable, here: Neighbours) -> bool:
+    def _chooses_lane(self, car: IDMVehicle, table: LaneTable, here: Neighbours) -> bool:
         """Whether a car has chosen a lane, and gets its action from `Controls`; any other acts as a whole."""
         if not is_idm(car) or car.target_lane_index not in table.number:
             car.act()
@@ -82,7 +84,7 @@ class IndexedRoad(ContactRoad):
             car.change_lane_policy()
         return True
 
-    def _move_together(self, cars: Sequence[Any], dt: float) -> None:
+    def _move_together(self, cars: Sequence[Vehicle], dt: float) -> None:
         """`Vehicle.step` of cars: a kinematic bicycle."""
         for car in cars:
             if isinstance(car, IDMVehicle):
@@ -120,7 +122,7 @@ def speed_up(road: Road) -> None:
     road.__class__ = FASTER.get(type(road), type(road))
 
 
-def _moves_plainly(vehicle: Any) -> bool:
+def _moves_plainly(vehicle: Vehicle) -> bool:
     return _is_plain(type(vehicle))  # type: ignore[arg-type]  # a class is hashable
 
 

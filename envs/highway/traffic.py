@@ -92,7 +92,7 @@ class Traffic:
         s, lateral = self.road.network.place_at(x, y, self._ego.place[0])
         return (s, lateral) if abs(lateral) <= BESIDE_M else NOWHERE
 
-    def _adopt(self, objects: list[Any]) -> None:
+    def _adopt(self, objects: list[RoadObject]) -> None:
         """Give objects their kind, and cars the parameters of their class, which may change in the process."""
         for obj in objects:
             obj.kind = kind_of(obj)
