@@ -9,9 +9,9 @@ from vpf_sim.cli.options import DriversOption, JsonOption, WorkersOption, locate
 from vpf_sim.cli.output import number, percent, percent_within, print_table, within
 
 if TYPE_CHECKING:
-    from vpf_sim.evaluation.perception.replay import StoredDrive
     from vpf_sim.evaluation.perception.scores import Row
     from vpf_sim.evaluation.perception.store import Table
+    from vpf_sim.evaluation.perception.stored_drives import StoredDrive
 
 
 RunsArgument = Annotated[

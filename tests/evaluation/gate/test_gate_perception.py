@@ -10,7 +10,7 @@ from stored import record, store
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.gate import gate
 from vpf_sim.evaluation.gate.checks import Check
-from vpf_sim.evaluation.gate.perception import check
+from vpf_sim.evaluation.gate.perception_rules import check
 from vpf_sim.evaluation.gate.rules import PerceptionBounds, read_rules
 from vpf_sim.evaluation.gate.run_cells import Cell, read_run
 from vpf_sim.evaluation.job import Job

@@ -15,7 +15,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.episode.pose_playback import PosePlayback
-from vpf_sim.evaluation.perception import replay, scores, store
+from vpf_sim.evaluation.perception import scores, store, stored_drives
 from vpf_sim.evaluation.perception.scorer import SCORED_COLUMNS, DriveEvaluation
 from vpf_sim.evaluation.steps import Step, StepTable
 from vpf_sim.evaluation.sweeps.manifest import Manifest
@@ -55,14 +55,14 @@ def run(tmp_path_factory: pytest.TempPathFactory, plans: list[DrivingPlan]) -> P
 
 
 @pytest.fixture(scope="module")
-def drive(run: Path) -> replay.StoredDrive:
+def drive(run: Path) -> stored_drives.StoredDrive:
     (drive,) = store.stored_drives([run])
     return drive
 
 
 @pytest.fixture(scope="module")
-def evaluation(drive: replay.StoredDrive) -> DriveEvaluation:
-    (evaluation,) = replay.evaluate(("vpf",), drive)
+def evaluation(drive: stored_drives.StoredDrive) -> DriveEvaluation:
+    (evaluation,) = stored_drives.evaluate(("vpf",), drive)
     return evaluation
 
 
@@ -75,16 +75,20 @@ def same(first: Any, second: Any) -> bool:
     return callable(first) or bool(first == second)
 
 
-def test_the_runs_own_driver_perceives_the_same_again(drive: replay.StoredDrive, plans: list[DrivingPlan]) -> None:
+def test_the_runs_own_driver_perceives_the_same_again(
+    drive: stored_drives.StoredDrive, plans: list[DrivingPlan]
+) -> None:
     table, again = drive.steps(), list[Perception]()
     with closing(PosePlayback(drive.record.scenario, "rain", table, truth=("foe",))) as world:
-        replay.perceive_drive(world, table, 3, {"vpf": drivers.create("vpf")}, lambda _, seen, __: again.extend(seen))
+        stored_drives.perceive_drive(
+            world, table, 3, {"vpf": drivers.create("vpf")}, lambda _, seen, __: again.extend(seen)
+        )
     assert len(again) == len(plans) == len(table) > 50
     assert all(same(seen, plan.perception) for seen, plan in zip(again, plans, strict=True))
     assert world.largest_correction_m == 0.0
 
 
-def test_it_is_scored_as_in_the_run(drive: replay.StoredDrive, evaluation: DriveEvaluation) -> None:
+def test_it_is_scored_as_in_the_run(drive: stored_drives.StoredDrive, evaluation: DriveEvaluation) -> None:
     for name in SCORED_COLUMNS:
         assert np.array_equal(
             getattr(evaluation.table, name)[:-1], getattr(drive.steps(), name)[:-1], equal_nan=True
@@ -115,9 +119,11 @@ class EachFourth:
     seen: Perception
 
 
-def test_only_frames_that_perception_uses_are_rendered(drive: replay.StoredDrive, plans: list[DrivingPlan]) -> None:
+def test_only_frames_that_perception_uses_are_rendered(
+    drive: stored_drives.StoredDrive, plans: list[DrivingPlan]
+) -> None:
     EachFourth.seen = plans[0].perception
-    (found,) = replay.evaluate((f"{__name__}:EachFourth",), drive)
+    (found,) = stored_drives.evaluate((f"{__name__}:EachFourth",), drive)
     assert EachFourth.shown == [row % 4 == 0 for row in range(len(drive.steps()))]
     assert found.driver.endswith("EachFourth")
 
@@ -146,17 +152,17 @@ class Silent(Acts):
     trace = None  # type: ignore[assignment]
 
 
-def short(drive: replay.StoredDrive, folder: Path, rows: int = 4) -> replay.StoredDrive:
+def short(drive: stored_drives.StoredDrive, folder: Path, rows: int = 4) -> stored_drives.StoredDrive:
     """The first rows of a drive, as an episode of another folder."""
     steps.write(StepTable(drive.steps().rows[:rows]), folder / "steps" / f"{drive.record.id}.parquet")
     return drive._replace(folder=folder)
 
 
 def test_a_driver_without_perceive_is_scored_by_its_plan(
-    drive: replay.StoredDrive, plans: list[DrivingPlan], tmp_path: Path
+    drive: stored_drives.StoredDrive, plans: list[DrivingPlan], tmp_path: Path
 ) -> None:
     Acts.plan = plans[-1]
-    (found,) = replay.evaluate((f"{__name__}:Acts",), short(drive, tmp_path))
+    (found,) = stored_drives.evaluate((f"{__name__}:Acts",), short(drive, tmp_path))
     assert np.isfinite(found.table.seen_left_m[:-1]).all()
 
 
@@ -168,24 +174,24 @@ def test_a_driver_without_perceive_is_scored_by_its_plan(
     ],
 )
 def test_a_driver_without_perception_is_refused_in_one_line(
-    name: str, sentence: str, drive: replay.StoredDrive, tmp_path: Path
+    name: str, sentence: str, drive: stored_drives.StoredDrive, tmp_path: Path
 ) -> None:
     with pytest.raises(InputError) as told:
-        replay.evaluate((f"{__name__}:{name}",), short(drive, tmp_path))
+        stored_drives.evaluate((f"{__name__}:{name}",), short(drive, tmp_path))
     assert str(told.value) == f"driver '{__name__}:{name}': {sentence}"
 
 
-def test_a_deviating_car_is_moved_to_the_stored_pose(drive: replay.StoredDrive, tmp_path: Path) -> None:
+def test_a_deviating_car_is_moved_to_the_stored_pose(drive: stored_drives.StoredDrive, tmp_path: Path) -> None:
     rows = drive.steps().rows[:5].copy()
     rows[2:, Step._fields.index("y_m")] += 0.5
     steps.write(StepTable(rows), tmp_path / "steps" / f"{drive.record.id}.parquet")
-    (found,) = replay.evaluate(("vpf",), drive._replace(folder=tmp_path))
+    (found,) = stored_drives.evaluate(("vpf",), drive._replace(folder=tmp_path))
     assert found.remarks == ("the car would now deviate by up to 0.50 m; its stored poses are used",)
 
 
 def test_the_command_scores_stores_and_compares(
     run: Path,
-    drive: replay.StoredDrive,
+    drive: stored_drives.StoredDrive,
     evaluation: DriveEvaluation,
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],

@@ -12,7 +12,7 @@ import numpy as np
 
 from vpf_sim.evaluation.analysis.rows import Cell
 from vpf_sim.evaluation.analysis.statistics import mean_interval
-from vpf_sim.evaluation.gate import baseline, perception
+from vpf_sim.evaluation.gate import baseline, perception_rules
 from vpf_sim.evaluation.gate.checks import Check, matching, number
 from vpf_sim.evaluation.gate.rules import SCORES, Rule, Score, score_of
 from vpf_sim.evaluation.gate.run_cells import FAULTS, METRICS, Episodes, Run, values_of, worst_first
@@ -30,7 +30,7 @@ def check(run: Run, rules: Sequence[Rule], file: Path) -> list[Check]:
     limits = _tightest(run, rules)
     for i, rule in enumerate(rules):
         if rule.perception is not None:
-            checks += perception.check(run, rule, rule.perception, f"{file}: rules[{i}].perception")
+            checks += perception_rules.check(run, rule, rule.perception, f"{file}: rules[{i}].perception")
         if not rule.bounds() and rule.no_worse_than is None:
             continue
         cells = matching(rule, run.cells, run.path, f"{file}: rules[{i}]")

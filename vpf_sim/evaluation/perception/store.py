@@ -9,8 +9,8 @@ from vpf_sim import configuration
 from vpf_sim.errors import InputError, unknown_name
 from vpf_sim.evaluation.metrics.records import Schema, checked
 from vpf_sim.evaluation.perception import scores
-from vpf_sim.evaluation.perception.replay import Evaluated, StoredDrive, replay
 from vpf_sim.evaluation.perception.scorer import DriveEvaluation
+from vpf_sim.evaluation.perception.stored_drives import Evaluated, StoredDrive, replay
 from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint
 from vpf_sim.evaluation.sweeps.manifest import MANIFEST, Manifest, change, read_manifest

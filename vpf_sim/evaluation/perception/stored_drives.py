@@ -1,4 +1,4 @@
-"""Open-loop replay of a stored drive: frames are re-rendered at its poses, and drivers only perceive.
+"""Perception on stored drives, in open loop: frames are re-rendered at their poses, and drivers only perceive.
 
 Sensors repeat their values of the episode, so with the same code and machine the run's own driver perceives the same,
 bit by bit.
