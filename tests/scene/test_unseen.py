@@ -33,6 +33,6 @@ def test_a_car_that_is_slower_than_the_traffic_may_be_overtaken_in_each_other_la
     ("own_mps", "seen_mps", "seconds"),
     [(5.5, TRAFFIC_MPS, 2.0), (2.0, 0.0, 2.0), (2.0, TRAFFIC_MPS, 30.0), (0.0, TRAFFIC_MPS, 15.0)],
 )
-def test_nobody_is_expected(own_mps: float, seen_mps: float, seconds: float) -> None:
+def test_no_traffic_is_expected(own_mps: float, seen_mps: float, seconds: float) -> None:
     """Of a fast car, without traffic, long after it, and of a car that has long been standing."""
     assert not len(tracks(own_mps, seen_mps, seconds))

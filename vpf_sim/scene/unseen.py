@@ -1,8 +1,8 @@
 """What may drive where a camera that looks forward sees nothing: beside the car and behind it.
 
-A car that is slower than the traffic is overtaken. So where traffic was seen, somebody may drive in each other lane,
-beside or behind, at the traffic's speed, and a lane change may cut him off. A car that has long been standing no longer
-waits for him.
+A car that is slower than the traffic is overtaken. So where traffic was seen, a vehicle may drive in each other lane,
+beside or behind, at the traffic's speed, and a lane change may cut it off. A car that has stood for some seconds no
+longer waits.
 """
 
 from math import inf
