@@ -5,9 +5,10 @@ from math import pi
 
 import numpy as np
 import pytest
-from made_scene import LANE_M, road, scene, tracks
+from made_scene import EDGE_M, LANE_M, road, scene, tracks
 
 from vpf_sim.planning.spacetime import settings
+from vpf_sim.planning.spacetime.candidates import Paths, Profiles
 from vpf_sim.planning.spacetime.motion import Motion
 from vpf_sim.planning.spacetime.planner import SpacetimePlanner
 from vpf_sim.scene import Road, Tracks
@@ -86,6 +87,16 @@ def test_a_bend_is_driven_within_the_lateral_limit() -> None:
     limit = settings.load().limits.lateral_mps2
     curvature = 1.0 / (12.0 - motion.path.end_m[0])
     assert motion.speed_at(5.0) ** 2 * curvature < 1.05 * limit
+
+
+def test_a_car_that_stopped_in_a_swerve_drives_on_beside_the_edge() -> None:
+    """Its last path leads on towards the edge, but a car that stands may turn its wheels."""
+    on, planner, d_m = road(), SpacetimePlanner(settings.load(), VehicleModel()), EDGE_M - 1.1
+    first = planner.plan(scene(on, tracks(on), 0.0, d_m, 0.0))
+    swerve = Paths(np.array([-3.0]), np.array([6.0]), np.array([[d_m - 0.5, 0.0, 2.0, 0.0, 0.0, 0.0]]))
+    stands = Profiles(*np.zeros((3, 1, len(first.times_s))))
+    planner.motion = replace(first, path=swerve, profile=stands)
+    assert planner.plan(scene(on, tracks(on), 0.0, d_m, 0.0)).speed_at(4.0) > 3.0
 
 
 def test_the_next_plan_goes_on_from_the_last() -> None:

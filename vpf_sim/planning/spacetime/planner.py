@@ -4,6 +4,7 @@ candidates -> limits -> field of road, target and comfort -> objects in space an
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from math import asin, cos, tan
 
 import numpy as np
@@ -82,18 +83,19 @@ class SpacetimePlanner:
         return speeds
 
     def _start(self, scene: Scene) -> PathState:
-        """The last motion's state, or the car's where it has left that."""
-        ego, last = scene.ego, self.motion
-        if last is not None:
-            d, slope, bend = last.path_at(ego.s_m)
-            speed = last.speed_at(scene.time_s)
-            if abs(ego.d_m - d) < ON_PLAN_M and abs(ego.speed_mps - speed) < ON_PLAN_MPS:
-                limit = self._settings.limits
-                acceleration = min(
-                    max(last.acceleration_at(scene.time_s), -limit.deceleration_mps2), limit.acceleration_mps2
-                )
-                return PathState(ego.s_m, d, slope, bend, speed, acceleration)
-        return self._measured(scene)
+        """The last motion's state, or the car's where it has left that; the wheels of a car that stands may turn."""
+        ego, last, measured = scene.ego, self.motion, self._measured(scene)
+        if last is None:
+            return measured
+        d, slope, bend = last.path_at(ego.s_m)
+        speed = last.speed_at(scene.time_s)
+        if abs(ego.d_m - d) > ON_PLAN_M or abs(ego.speed_mps - speed) > ON_PLAN_MPS:
+            return measured
+        limit = self._settings.limits
+        acceleration = min(max(last.acceleration_at(scene.time_s), -limit.deceleration_mps2), limit.acceleration_mps2)
+        if ego.speed_mps < SLOW_MPS:
+            return replace(measured, speed_mps=speed, acceleration_mps2=acceleration)
+        return PathState(ego.s_m, d, slope, bend, speed, acceleration)
 
     def _measured(self, scene: Scene) -> PathState:
         """The car's own state on the road: its course is its heading and the slip of a bicycle's middle."""
