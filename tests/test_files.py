@@ -106,9 +106,9 @@ WRITERS: dict[str, Callable[[Path], None]] = {
 def test_a_disk_without_room_leaves_the_former_file(name: str, room: int, tmp_path: Path) -> None:
     path = tmp_path / name
     path.write_text("the former one\n")
-    with limited(room), pytest.raises(OSError, match="File too large") as told:
+    with limited(room), pytest.raises(OSError, match="File too large") as caught:
         WRITERS[name](path)
-    assert told.value.filename == str(path)
+    assert caught.value.filename == str(path)
     assert path.read_text() == "the former one\n"
     assert list(tmp_path.iterdir()) == [path], "no draft is left"
     WRITERS[name](path)
@@ -139,9 +139,9 @@ def test_what_goes_wrong_on_the_way_leaves_the_former_file(fault: type[BaseExcep
 
 
 def test_the_fault_of_another_file_keeps_its_name(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError) as told, replacing(tmp_path / "a"):
+    with pytest.raises(FileNotFoundError) as caught, replacing(tmp_path / "a"):
         (tmp_path / "other").read_text()
-    assert told.value.filename == str(tmp_path / "other")
+    assert caught.value.filename == str(tmp_path / "other")
 
 
 @POSIX_ONLY
@@ -158,9 +158,9 @@ def test_a_link_goes_on_leading_to_the_file(tmp_path: Path) -> None:
 def test_a_device_is_written_as_it_is() -> None:
     write_text(Path("/dev/null"), "nobody reads this")
     assert Path("/dev/null").is_char_device()
-    with pytest.raises(OSError, match="No space left on device") as told:
+    with pytest.raises(OSError, match="No space left on device") as caught:
         write_text(Path("/dev/full"), "x")
-    assert (told.value.errno, told.value.filename) == (errno.ENOSPC, "/dev/full")
+    assert (caught.value.errno, caught.value.filename) == (errno.ENOSPC, "/dev/full")
 
 
 def test_a_folder_is_refused_before_any_work(tmp_path: Path) -> None:

@@ -59,12 +59,12 @@ def test_the_version(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def completed(line: str) -> list[str]:
-    """What a shell offers at the end of a line, asked as bash's completion script asks."""
+    """What a shell offers at the end of a line, called as bash's completion script does."""
     words = line.split(" ")
-    asked = {"_VPF_SIM_COMPLETE": "complete_bash", "COMP_WORDS": line, "COMP_CWORD": str(len(words) - 1)}
+    requested = {"_VPF_SIM_COMPLETE": "complete_bash", "COMP_WORDS": line, "COMP_CWORD": str(len(words) - 1)}
     done = subprocess.run(
         [sys.executable, "-c", "import sys; sys.argv = ['vpf-sim']; from vpf_sim import cli; cli.main()"],
-        env={**os.environ, **asked},
+        env={**os.environ, **requested},
         capture_output=True,
         text=True,
         check=False,

@@ -65,7 +65,7 @@ def test_a_played_episode_is_a_run_like_any(
     assert table["time_s"].diff().dropna().to_numpy() == pytest.approx(1.0 / 60.0)
 
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
-    monkeypatch.setattr(KeyboardDriver, "reset", lambda *_: pytest.fail("nobody is asked to drive again"))
+    monkeypatch.setattr(KeyboardDriver, "reset", lambda *_: pytest.fail("it is not driven again"))
     assert cli.run(["results", "run"]) == 0
     assert "| keyboard |" in capsys.readouterr().out
     assert cli.run(["video", "run", "--id", record["id"]]) == 0

@@ -225,14 +225,14 @@ def test_literal_is_not_equivariant() -> None:
 
 
 def test_the_obstacle_map_is_worked_out_once_where_it_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked = []
+    requested = []
     detect = obstacles.detect
-    monkeypatch.setattr(obstacles, "detect", lambda *given: asked.append(0) or detect(*given))
+    monkeypatch.setattr(obstacles, "detect", lambda *given: requested.append(0) or detect(*given))
     seen = [plan.perception for plan, _ in drive(variant.load("robust"), STILL, GOAL)]
-    assert not asked, "the valley goes by bodies"
+    assert not requested, "the lane planner goes by obstacles"
     assert (
         seen[-1].features.obstacle_map.on_obstacle.shape
         == seen[-1].features.ttc_s.shape
         == seen[-1].flow.points_px.shape[:1]
     )
-    assert len(asked) == 1
+    assert len(requested) == 1

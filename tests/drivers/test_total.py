@@ -1,4 +1,4 @@
-"""Planning and control are total: whatever is seen, measured and asked for, the command is finite and in its limits."""
+"""Planning and control are total: whatever is perceived or requested, the command is finite and in its limits."""
 
 import re
 from collections.abc import Callable, Iterator

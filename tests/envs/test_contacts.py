@@ -38,14 +38,14 @@ def test_contacts_and_what_they_do_are_highway_envs() -> None:
 
 
 def test_only_near_pairs_are_asked() -> None:
-    asked = []
+    requested = []
 
     class Counting(Vehicle):  # type: ignore[misc]
         def handle_collisions(self, other: object, dt: float = 0) -> None:  # noqa: ARG002
-            asked.append((self, other))
+            requested.append((self, other))
 
     road = ContactRoad()
     road.vehicles = [Counting(None, (20.0 * number, 0.0), speed=10.0) for number in range(40)]
     road.vehicles.append(Counting(None, (20.0, 3.0)))
     road.step(DT)
-    assert asked == [(road.vehicles[1], road.vehicles[40])]
+    assert requested == [(road.vehicles[1], road.vehicles[40])]

@@ -154,7 +154,7 @@ def test_a_gallery_folder_is_self_contained(tmp_path: Path, capsys: pytest.Captu
     html = (out / "index.html").read_text()
     files = {link for link in read(html).links if not link.startswith(("#", "data:"))}
     assert files == {path.relative_to(out).as_posix() for path in out.rglob("*") if path.suffix in (".jpg", ".mp4")}
-    assert html.index("ClearNoon") < html.index("my rain"), "in the order in which they were asked for"
+    assert html.index("ClearNoon") < html.index("my rain"), "in the order of the options"
     for path in out.glob("pictures/*.jpg"):
         picture = cv2.imread(str(path))
         assert picture is not None

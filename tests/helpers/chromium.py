@@ -1,4 +1,4 @@
-"""A headless Chromium that is talked to over pipes: pages are opened, asked, photographed and printed."""
+"""A headless Chromium that is talked to over pipes: pages are opened, evaluated, photographed and printed."""
 
 import base64
 import json
@@ -32,13 +32,13 @@ def program() -> str | None:
 
 
 class Browser:
-    """One tab. `asked` holds every address that it wanted, `errors` what the console complained of."""
+    """One tab. `requested` holds every address that it requested, `errors` the errors on its console."""
 
     def __init__(self, to_browser: int, from_browser: int) -> None:
         self._write = os.fdopen(to_browser, "wb", buffering=0)
         self._read = os.fdopen(from_browser, "rb")
         self._number, self._session, self._rest = 0, "", b""
-        self.asked: list[str] = []
+        self.requested: list[str] = []
         self.errors: list[str] = []
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
         self._session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
@@ -96,7 +96,7 @@ class Browser:
     def _note(self, message: dict[str, Any]) -> None:
         method, params = message.get("method"), message.get("params", {})
         if method == "Network.requestWillBeSent" and not params["request"]["url"].startswith(NOISE):
-            self.asked.append(params["request"]["url"])
+            self.requested.append(params["request"]["url"])
         elif method == "Runtime.exceptionThrown":
             self.errors.append(str(params["exceptionDetails"]))
         elif method == "Log.entryAdded" and params["entry"]["level"] in ("error", "warning"):

@@ -79,7 +79,7 @@ def drive(
     seed: int = 0,
     driver: str = "made-up",
 ) -> DriveEvaluation:
-    """The judgement of a drive of `length_m` along the lane's middle; `see` is asked at (x m, s) of each frame."""
+    """The evaluation of a drive of `length_m` along the lane's middle; `see` is called at (x m, s) of each frame."""
     straight = Road.model_validate({"start_m": [0.0, 0.0], "segments": [{"kind": "line", "length_m": 400.0}]})
     road: Any = SimpleNamespace(network=Carriageway(straight), vehicles=[], objects=[])
     things = [_thing(obj, road) for obj in objects]

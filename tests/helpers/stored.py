@@ -34,8 +34,8 @@ def store(path: Path, plan: Plan, records: Iterable[Mapping[str, Any]], world: s
     """A run folder of a plan; `world` stands for what its scenarios and weathers say."""
     path.mkdir(parents=True)
     hashes = {"scenarios": dict.fromkeys(plan.scenario, world), "weathers": dict.fromkeys(plan.weather, world)}
-    asked = {key: getattr(plan, key) for key in ("scenario", "weather", "driver", "seeds")}
-    manifest = {"schema": 1, "command": "sweep", "plan": asked, "fingerprint": {}, **hashes}
+    requested = {key: getattr(plan, key) for key in ("scenario", "weather", "driver", "seeds")}
+    manifest = {"schema": 1, "command": "sweep", "plan": requested, "fingerprint": {}, **hashes}
     (path / "manifest.json").write_text(json.dumps(manifest))
     (path / "episodes.jsonl").write_text("".join(json.dumps(row) + "\n" for row in records))
     return path

@@ -86,10 +86,10 @@ def test_a_different_outcome_fails(change: dict[str, str], found: str) -> None:
 
 
 def test_versions_are_compared_with_the_required_ones() -> None:
-    asked = installation.lower_bounds()
-    assert asked.keys() >= {"numpy", "highway-env", "pygame-ce", "gymnasium"}
-    assert "pytest" not in asked, "an extra is asked of nobody"
-    assert installation.versions(asked).ok
+    requested = installation.lower_bounds()
+    assert requested.keys() >= {"numpy", "highway-env", "pygame-ce", "gymnasium"}
+    assert "pytest" not in requested, "extras are not required"
+    assert installation.versions(requested).ok
     bad = installation.versions({"numpy": "999.1", "no-such-package": "1.0"})
     assert not bad.ok
     assert bad.found == (

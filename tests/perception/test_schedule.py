@@ -26,9 +26,9 @@ def test_at_least_as_often_never_waits_longer_than_the_period(rate_hz: float) ->
 
 def test_the_next_frame_can_be_asked_for_without_taking_it() -> None:
     schedule = Schedule(0.1, 20.0)
-    asked = []
+    due = []
     for _ in range(6):
-        asked.append(schedule.is_due)
-        assert schedule.is_due == asked[-1]
-        assert schedule.step() == asked[-1]
-    assert asked == [True, False] * 3
+        due.append(schedule.is_due)
+        assert schedule.is_due == due[-1]
+        assert schedule.step() == due[-1]
+    assert due == [True, False] * 3

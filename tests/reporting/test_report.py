@@ -377,7 +377,7 @@ def test_a_browser_shows_the_page_without_requests(written: Path, tmp_path: Path
         light, dark = (picture_level(tab, written, scheme) for scheme in (False, True))
         assert light > 200.0 > 100.0 > dark
         assert tab.paper().startswith(b"%PDF")
-    assert set(tab.asked) == {written.as_uri()}
+    assert set(tab.requested) == {written.as_uri()}
     assert tab.errors == []
 
 

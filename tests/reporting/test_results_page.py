@@ -87,8 +87,8 @@ def test_the_command_writes_the_page(runs: list[Path], tmp_path: Path, capsys: p
 
 
 def test_the_commit_is_given_only_for_a_run_of_these_sources(runs: list[Path]) -> None:
-    asked = ["git", "-C", str(Path(__file__).parent), "rev-parse", "--short", "HEAD"]
-    done = subprocess.run(asked, capture_output=True, text=True, check=False)
+    requested = ["git", "-C", str(Path(__file__).parent), "rev-parse", "--short", "HEAD"]
+    done = subprocess.run(requested, capture_output=True, text=True, check=False)
     if done.returncode:
         pytest.skip("no git checkout")
     for path, sources in zip(runs, (source(), "0" * 64), strict=True):

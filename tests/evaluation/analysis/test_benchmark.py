@@ -107,11 +107,11 @@ def test_a_collision_is_a_result_and_an_error_is_a_fault(statuses: dict[str, int
 
 
 @pytest.mark.parametrize(
-    ("resume", "asked", "stored", "seeds"),
+    ("resume", "requested", "stored", "seeds"),
     [(True, False, True, "5:9"), (True, True, True, "0:1"), (False, False, True, "0:1"), (True, True, False, "0:1")],
 )
 def test_a_resumed_run_drives_its_stored_plan(
-    resume: bool, asked: bool, stored: bool, seeds: str, tmp_path: Path
+    resume: bool, requested: bool, stored: bool, seeds: str, tmp_path: Path
 ) -> None:
     grid = {"scenario": ["town04"], "weather": ["rain"], "driver": ["pid"]}
     if stored:
@@ -123,6 +123,6 @@ def test_a_resumed_run_drives_its_stored_plan(
             "command": "benchmark",
         }
         (tmp_path / "manifest.json").write_text(json.dumps(manifest))
-    plan = plan_of(RunOptions(out=tmp_path, resume=resume), asked, lambda: benchmark.plan("0:1", ["pid"]))
+    plan = plan_of(RunOptions(out=tmp_path, resume=resume), requested, lambda: benchmark.plan("0:1", ["pid"]))
     assert plan.seeds == seeds
-    assert plan_of(RunOptions(resume=resume), asked, lambda: plan) is plan, "there is no folder to go on with"
+    assert plan_of(RunOptions(resume=resume), requested, lambda: plan) is plan, "there is no folder to go on with"

@@ -143,9 +143,9 @@ def other_table(run: Path) -> None:
 
 def other_scenario(run: Path) -> None:
     path = run / "manifest.json"
-    asked = json.loads(path.read_text())
-    asked["scenarios"] = dict.fromkeys(asked["scenarios"], "0123abcd")
-    path.write_text(json.dumps(asked))
+    requested = json.loads(path.read_text())
+    requested["scenarios"] = dict.fromkeys(requested["scenarios"], "0123abcd")
+    path.write_text(json.dumps(requested))
 
 
 def another_seed(record: dict[str, Any]) -> None:

@@ -173,7 +173,7 @@ def test_an_exception_of_the_environment_ends_the_episode() -> None:
     world = TinyWorld()
     del world.route
     outcome = roll_out(world, Constant(), Constant(), seed=0)
-    assert outcome.status == "success", "nobody asked for the route"
+    assert outcome.status == "success", "no driver needs the route"
     pid = Constant()
     pid.privileged = "route"
     outcome = roll_out(world, Constant(), pid, seed=0)

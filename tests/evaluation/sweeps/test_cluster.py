@@ -120,8 +120,19 @@ class Hanging:
 def test_an_episode_that_hangs_on_a_cluster_is_given_up(tmp_path: Path, scheduler: str) -> None:
     (tmp_path / "mine.py").write_text(HANGING)
     out = tmp_path / "out"
-    asked = ["--driver", "mine:Hanging", "--seeds", "0:1", "--timeout", "15", "--out", str(out), "--cluster", scheduler]
-    command = [sys.executable, "-m", "vpf_sim.cli", "sweep", "--scenario", str(write_short(tmp_path)), *asked]
+    options = [
+        "--driver",
+        "mine:Hanging",
+        "--seeds",
+        "0:1",
+        "--timeout",
+        "15",
+        "--out",
+        str(out),
+        "--cluster",
+        scheduler,
+    ]
+    command = [sys.executable, "-m", "vpf_sim.cli", "sweep", "--scenario", str(write_short(tmp_path)), *options]
     nannied = ("worker", scheduler, "--nthreads", "1", "--no-dashboard")
     with dask(*nannied, cwd=tmp_path):
         done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)

@@ -38,9 +38,9 @@ def test_a_line_that_does_not_fit_is_not_there_at_all(tmp_path: Path) -> None:
 def test_a_step_table_that_does_not_fit_is_not_there_at_all(tmp_path: Path) -> None:
     table = StepTable(np.random.default_rng(0).normal(size=(50, len(Step._fields))))
     path = tmp_path / "steps" / "a.parquet"
-    with limited(ROOM), pytest.raises(OSError, match=r"a\.parquet") as told:
+    with limited(ROOM), pytest.raises(OSError, match=r"a\.parquet") as caught:
         steps.write(table, path)
-    assert told.value.strerror == "File too large"
+    assert caught.value.strerror == "File too large"
     assert list(path.parent.iterdir()) == []
 
 

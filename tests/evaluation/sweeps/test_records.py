@@ -32,7 +32,7 @@ KEYS = {
     *("collision_type", "failure", "at_fault_collisions", "path_mse_parts_m2", "uncertainty"),
 }
 PID_RUN = PidRun(np.arange(11.0), np.full(11, 0.5), np.zeros(11))
-ASKED: dict[str, Any] = {
+REQUESTED: dict[str, Any] = {
     "schema": 1,
     "command": "sweep",
     "plan": {"scenario": ["town04"], "weather": ["clear"], "driver": ["vpf"], "seeds": "0:5"},
@@ -56,8 +56,8 @@ def failed() -> Any:
     return unscored(JOB).as_json()
 
 
-def asked(**changes: Any) -> Manifest:
-    return Manifest.model_validate({**ASKED, **changes})
+def requested(**changes: Any) -> Manifest:
+    return Manifest.model_validate({**REQUESTED, **changes})
 
 
 def score(driver: Constant, **changes: Any) -> dict[str, Any]:
@@ -157,41 +157,41 @@ def test_any_other_invalid_line_is_reported(tmp_path: Path) -> None:
 
 
 def test_a_line_without_a_record_is_reported(tmp_path: Path) -> None:
-    RunFolder(tmp_path, asked()).close()
+    RunFolder(tmp_path, requested()).close()
     (tmp_path / "episodes.jsonl").write_text('{"seed": 3}\n')
     with pytest.raises(InputError, match=r"episodes.jsonl: expected a record with an id on each line"):
-        RunFolder(tmp_path, asked(), resume=True)
+        RunFolder(tmp_path, requested(), resume=True)
 
 
 def test_a_folder_with_records_needs_resume(tmp_path: Path) -> None:
-    RunFolder(tmp_path / "run", asked()).close()
+    RunFolder(tmp_path / "run", requested()).close()
     with pytest.raises(InputError, match="expected an empty or new run folder, choose another out, or resume"):
-        RunFolder(tmp_path / "run", asked())
+        RunFolder(tmp_path / "run", requested())
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "thesis.tex").write_text("")
     with pytest.raises(InputError, match="got other files"):
-        RunFolder(tmp_path / "mine", asked())
+        RunFolder(tmp_path / "mine", requested())
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="expected a folder, got a file"):
-        RunFolder(tmp_path / "file", asked())
+        RunFolder(tmp_path / "file", requested())
 
 
 def test_a_run_killed_before_its_manifest_leaves_its_folder_usable(tmp_path: Path) -> None:
     for name in ("episodes.jsonl", "timing.jsonl", "manifest.json.draft"):
         (tmp_path / name).write_text("")
-    RunFolder(tmp_path, asked()).close()
-    assert json.loads((tmp_path / "manifest.json").read_text()) == ASKED
+    RunFolder(tmp_path, requested()).close()
+    assert json.loads((tmp_path / "manifest.json").read_text()) == REQUESTED
     (tmp_path / "manifest.json").unlink()
     (tmp_path / "episodes.jsonl").write_text('{"id": "somebody else\'s"}\n')
     with pytest.raises(InputError, match="got other files"):
-        RunFolder(tmp_path, asked())
+        RunFolder(tmp_path, requested())
 
 
 def test_a_resumed_folder_has_its_finished_episodes(tmp_path: Path) -> None:
-    folder = RunFolder(tmp_path, asked())
+    folder = RunFolder(tmp_path, requested())
     folder.add(unscored(JOB), Timing(id=JOB.id))
     folder.close()
-    again = RunFolder(tmp_path, asked(), resume=True)
+    again = RunFolder(tmp_path, requested(), resume=True)
     assert (again.done, again.mark) == ({JOB.id}, None)
     again.close()
 
@@ -200,7 +200,7 @@ def test_a_resumed_folder_has_its_finished_episodes(tmp_path: Path) -> None:
     ("key", "value", "sentence"),
     [
         ("command", "benchmark", 'command changed: was "sweep", is "benchmark"'),
-        ("plan", {**ASKED["plan"], "seeds": "0:6"}, 'plan changed: seeds: was "0:5", is "0:6"'),
+        ("plan", {**REQUESTED["plan"], "seeds": "0:6"}, 'plan changed: seeds: was "0:5", is "0:6"'),
         ("drivers", {"mine:Own": "new"}, 'drivers changed: mine:Own: was null, is "new"'),
         ("scenarios", {"town04": "xyz"}, 'scenarios changed: town04: was "abc", is "xyz"'),
         (
@@ -211,35 +211,35 @@ def test_a_resumed_folder_has_its_finished_episodes(tmp_path: Path) -> None:
     ],
 )
 def test_resume_refuses_a_change_and_says_what_changed(tmp_path: Path, key: str, value: Any, sentence: str) -> None:
-    RunFolder(tmp_path, asked()).close()
-    with pytest.raises(InputError) as told:
-        RunFolder(tmp_path, asked(**{key: value}), resume=True)
-    assert sentence in str(told.value)
-    assert "\n" not in str(told.value)
+    RunFolder(tmp_path, requested()).close()
+    with pytest.raises(InputError) as caught:
+        RunFolder(tmp_path, requested(**{key: value}), resume=True)
+    assert sentence in str(caught.value)
+    assert "\n" not in str(caught.value)
 
 
 def test_mixed_accepts_another_fingerprint_and_nothing_else(tmp_path: Path) -> None:
-    RunFolder(tmp_path, asked()).close()
+    RunFolder(tmp_path, requested()).close()
     fingerprint = {"python": "3.12.1", "numpy": "2.4.0"}
-    folder = RunFolder(tmp_path, asked(fingerprint=fingerprint), resume=True, mixed=True)
+    folder = RunFolder(tmp_path, requested(fingerprint=fingerprint), resume=True, mixed=True)
     assert folder.mark is not None
     folder.close()
     with pytest.raises(InputError, match="plan changed"):
-        RunFolder(tmp_path, asked(fingerprint=fingerprint, plan={}), resume=True, mixed=True)
+        RunFolder(tmp_path, requested(fingerprint=fingerprint, plan={}), resume=True, mixed=True)
 
 
 def test_a_run_folder_has_one_run_at_a_time(tmp_path: Path) -> None:
-    first = RunFolder(tmp_path / "run", asked())
+    first = RunFolder(tmp_path / "run", requested())
     first.add(unscored(JOB), Timing(id=JOB.id))
     with (tmp_path / "run" / "episodes.jsonl").open("a") as file:
         file.write('{"id": "half')  # what the other is just writing must not be cut off
     stored = (tmp_path / "run" / "episodes.jsonl").read_text()
-    with pytest.raises(InputError) as told:
-        RunFolder(tmp_path / "run", asked(), resume=True)
-    assert str(told.value) == f"{tmp_path / 'run'}: in use by another run"
+    with pytest.raises(InputError) as caught:
+        RunFolder(tmp_path / "run", requested(), resume=True)
+    assert str(caught.value) == f"{tmp_path / 'run'}: in use by another run"
     assert (tmp_path / "run" / "episodes.jsonl").read_text() == stored
     first.close()
-    RunFolder(tmp_path / "run", asked(), resume=True).close()
+    RunFolder(tmp_path / "run", requested(), resume=True).close()
 
 
 HOLD = """
@@ -257,9 +257,9 @@ def test_a_killed_run_leaves_no_lock(tmp_path: Path) -> None:
         assert other.stdout is not None
         assert other.stdout.readline().strip() == b"held"
         with pytest.raises(InputError, match="in use by another run"):
-            RunFolder(tmp_path, asked())
+            RunFolder(tmp_path, requested())
         other.kill()
-    RunFolder(tmp_path, asked()).close()
+    RunFolder(tmp_path, requested()).close()
 
 
 def test_a_file_system_without_locks_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -268,21 +268,21 @@ def test_a_file_system_without_locks_is_reported(tmp_path: Path, monkeypatch: py
 
     monkeypatch.setattr("filelock.FileLock.acquire", refuse)
     with pytest.raises(InputError, match="expected a file system with locks"):
-        RunFolder(tmp_path, asked())
+        RunFolder(tmp_path, requested())
 
 
 def test_an_unusable_folder_is_not_locked(tmp_path: Path) -> None:
-    RunFolder(tmp_path, asked()).close()
+    RunFolder(tmp_path, requested()).close()
     (tmp_path / "episodes.jsonl").write_text('{"seed": 3}\n')
     for _ in range(2):
         with pytest.raises(InputError, match="expected a record with an id"):
-            RunFolder(tmp_path, asked(), resume=True)
+            RunFolder(tmp_path, requested(), resume=True)
 
 
 def test_a_discarded_folder_keeps_other_files(tmp_path: Path) -> None:
-    RunFolder(tmp_path / "run", asked()).discard()
+    RunFolder(tmp_path / "run", requested()).discard()
     assert not (tmp_path / "run").exists()
-    folder = RunFolder(tmp_path / "run", asked())
+    folder = RunFolder(tmp_path / "run", requested())
     (tmp_path / "run" / "note.txt").write_text("mine")
     folder.discard()
     assert [path.name for path in (tmp_path / "run").iterdir()] == ["note.txt"]
@@ -292,7 +292,7 @@ def test_a_discarded_folder_keeps_other_files(tmp_path: Path) -> None:
 def test_an_invalid_manifest_is_reported(tmp_path: Path, text: str) -> None:
     (tmp_path / "manifest.json").write_text(text)
     with pytest.raises(InputError, match=r"manifest.json: expected"):
-        RunFolder(tmp_path, asked(), resume=True)
+        RunFolder(tmp_path, requested(), resume=True)
 
 
 def test_new_folders_are_distinct(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

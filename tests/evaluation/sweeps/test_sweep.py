@@ -124,14 +124,14 @@ def test_ctrl_c_stops_and_prints_the_resume_command(
 def test_an_edit_during_a_sweep_stops_it(tmp_path: Path) -> None:
     path = write_short(tmp_path)
     plan = Plan((str(path),), ("clear",), ("pid",), "0:1")
-    asked, (job,) = Manifest.of("sweep", plan), plan.jobs()
-    assert list(changes(asked, job)) == []
-    other = asked.model_copy(update={"fingerprint": {**asked.fingerprint, "source": "as it was"}})
+    requested, (job,) = Manifest.of("sweep", plan), plan.jobs()
+    assert list(changes(requested, job)) == []
+    other = requested.model_copy(update={"fingerprint": {**requested.fingerprint, "source": "as it was"}})
     with pytest.raises(InputError, match="source: changed while the sweep was running"):
         drive_and_store(tmp_path, None, other, job)
     path.write_text(path.read_text().replace("11.0", "12.0"))
     with pytest.raises(InputError, match=r"short\.toml: changed while the sweep was running"):
-        drive_and_store(tmp_path, None, asked, job)
+        drive_and_store(tmp_path, None, requested, job)
     assert not (tmp_path / "steps").exists()
 
 
@@ -174,9 +174,9 @@ def test_a_plan_of_single_drives_has_no_others() -> None:
     ],
 )
 def test_wrong_drives_of_a_plan_are_reported(changes: dict[str, Any], sentence: str) -> None:
-    with pytest.raises(InputError) as told:
+    with pytest.raises(InputError) as caught:
         make_plan({"driver": ["pid"], "drives": [["a", "rain", 9]], **changes}, "sweep.toml")
-    assert str(told.value) == f"sweep.toml: {sentence}"
+    assert str(caught.value) == f"sweep.toml: {sentence}"
 
 
 def record(seed: int, status: str, mse: float, throttle: float | None) -> Record:

@@ -17,13 +17,13 @@ POINTS = np.array([[400.0, 300.0], [100.0, 50.0], [20.0, 460.0]])
 
 
 class Wall:
-    """It fills the frame, DISTANCE_M before the camera whenever it is asked for."""
+    """It fills the frame, DISTANCE_M before the camera whenever it is read."""
 
     objects: tuple[Any, ...] = ()
-    asked = 0
+    read = 0
 
     def truth(self, names: tuple[str, ...]) -> dict[str, Any]:
-        self.asked += 1
+        self.read += 1
         shape = (CAMERA.height_px, CAMERA.width_px)
         truth = {"depth": np.full(shape, DISTANCE_M, np.float32), "instance": np.full(shape, -1, np.int32)}
         return {name: truth[name] for name in names}
@@ -53,7 +53,7 @@ def scored(displacement_px: Floats, ttc_s: float, frames: int = 2, late: int = 0
             made = perceived(displacement_px, ttc_s, frames)
         found = sight.columns(made)
         assert ("flow_error_px" in found) == (k == 39 + late)
-    assert wall.asked == 1
+    assert wall.read == 1
     return found
 
 

@@ -123,10 +123,10 @@ def test_depths_use_the_corrected_first_observations() -> None:
     depth_m, body_rows = 40.0 - flow.pose[0] - CAMERA.forward_m, flow.identity < 30
     exact = Drive(drive.scene, noise_px=0.0)
     truth = {int(i): px for i, px in zip(*_firsts(exact, flow), strict=True)}
-    asked: list[Integers] = []
+    requested: list[Integers] = []
 
     def match(rows: Integers, growth: Floats) -> tuple[Floats, Bools]:
-        asked.append(rows)
+        requested.append(rows)
         way_m, once = np.hypot(*(flow.pose - flow.first_pose[rows])[:, :2].T), len(np.unique(rows))
         assert growth[:once] == pytest.approx(np.tile(1.0 + way_m[:once] / depth_m, (2, 1)).T, rel=0.4)
         assert growth[once:, 1] == pytest.approx(growth[once:, 0] ** 2), "as if they lay on the road"
@@ -135,7 +135,7 @@ def test_depths_use_the_corrected_first_observations() -> None:
 
     chained = found.triangulate(flow)
     matched = found.refined(flow, chained, drive.road, match)
-    even = body_rows & (flow.identity % 2 == 0) & np.isin(np.arange(len(flow)), asked[0])
+    even = body_rows & (flow.identity % 2 == 0) & np.isin(np.arange(len(flow)), requested[0])
     assert np.count_nonzero(even) > 8
     assert np.abs(matched.depth_m - depth_m)[even].mean() < 0.7 * np.abs(chained.depth_m - depth_m)[even].mean()
     assert np.all(matched.sigma_m[even] < chained.sigma_m[even])

@@ -16,7 +16,7 @@ from vpf_sim.driver_interface import DriverSetup
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats
 
-KEPT_M = CLEARANCE.wanted_m - 0.1  # of the clearance that is asked for
+KEPT_M = CLEARANCE.wanted_m - 0.1  # of the requested clearance
 
 
 @dataclass
