@@ -2,7 +2,8 @@
 
 python scripts/notebooks.py   # needs the extra docs
 
-A script with lines "# %% Title" becomes a notebook: its docstring and the titles are text, all else is code.
+A script with lines "# %% Title" becomes a notebook: its docstring and the titles are text, all else is code. The first
+cell of code installs the package, for a hosted notebook; here it is not run.
 """
 
 import base64
@@ -18,6 +19,8 @@ from nbclient import NotebookClient
 EXAMPLES = Path(__file__).parents[1] / "examples"
 CELL = re.compile(r"^# %% (.*)\n", re.MULTILINE)
 QUALITY = 80  # of the pictures, JPEG
+INSTALL = "%pip install --quiet 'vpf_sim[video]'  # in a checkout: '.[video]'"
+NOT_RUN = "skip-execution"  # a tag that nbclient knows
 
 
 def cells(script: str) -> list[tuple[str, str]]:
@@ -35,7 +38,8 @@ def executed(script: Path) -> nbformat.NotebookNode:
     made = [
         new[kind](source, id=f"cell-{number}") for number, (kind, source) in enumerate(cells(script.read_text("utf-8")))
     ]
-    notebook = nbformat.v4.new_notebook(cells=made)
+    install = nbformat.v4.new_code_cell(INSTALL, id="install", metadata={"tags": [NOT_RUN]})
+    notebook = nbformat.v4.new_notebook(cells=[made[0], install, *made[1:]])
     NotebookClient(notebook, kernel_name="python3", timeout=600).execute()
     for cell in notebook.cells:
         cell.metadata.clear()  # times
