@@ -6,6 +6,7 @@ from pathlib import Path
 
 import typer.main
 from pygments.lexers.special import TextLexer
+from sphinx.application import Sphinx
 from sphinx.highlighting import lexers
 from typer.cli import get_docs_for_click
 
@@ -18,7 +19,7 @@ sys.path.append(str(HERE))
 project = "vpf_sim"
 author = "the vpf_sim developers"
 version = release = vpf_sim.__version__
-extensions = ["myst_parser", "sphinx.ext.autodoc"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx_copybutton"]
 exclude_patterns: list[str] = []
 
 myst_heading_anchors = 4  # the names that GitHub gives to headings
@@ -34,6 +35,15 @@ lexers["csv"] = TextLexer()
 html_theme = "furo"
 html_show_copyright = False
 html_title = f"vpf_sim {version}"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+MOVED = {  # pages of earlier versions, and where their text is now
+    "cluster": "sweeps.html#on-many-machines",
+    "play": "start.html#drive-yourself",
+    "readings": "reproduce.html#which-settings-does-the-paper-leave-open",
+    "sensor-faults": "weather.html#sensor-faults",
+    "town04": "reproduce.html#all-drivers-on-the-papers-road",
+}
 
 
 def write_commands() -> None:
@@ -49,6 +59,19 @@ def write_configuration() -> None:
     import configuration_page
 
     (HERE / "configuration.md").write_text(configuration_page.page(), "utf-8")
+
+
+def write_moved(app: Sphinx, error: Exception | None) -> None:
+    """Pages that lead old addresses to their text."""
+    for name, target in MOVED.items() if error is None else ():
+        (Path(app.outdir) / f"{name}.html").write_text(
+            f'<meta http-equiv="refresh" content="0; url={target}">', "utf-8"
+        )
+
+
+def setup(app: Sphinx) -> None:
+    """What Sphinx calls before it builds."""
+    app.connect("build-finished", write_moved)
 
 
 write_commands()

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from shell_blocks import shell_lines
 from systems import POSIX_ONLY
 
 import vpf_sim
@@ -25,7 +26,10 @@ SHOWN = [
         re.MULTILINE,
     ),
 ]
-COMMANDS = sorted(set(re.findall(r"^vpf-sim ([a-z]+)", README, re.MULTILINE)))
+LINES = [
+    line for block in re.findall(r"^```sh\n(.*?)^```", README, re.MULTILINE | re.DOTALL) for line in shell_lines(block)
+]
+COMMANDS = sorted({line.split()[1] for line in LINES if line.startswith("vpf-sim ")})
 
 
 def test_there_is_something_to_run() -> None:
@@ -56,7 +60,9 @@ def test_a_shown_drive_arrives(scenario: str, driver: str, seed: str) -> None:
 def test_the_commands_do_what_they_say(tmp_path: Path) -> None:
     """Each exits with 0, but for `check`: the README says that one of the drivers breaks rules."""
     environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
-    for line in re.findall(r"^vpf-sim .*", README, re.MULTILINE):
+    for line in LINES:
+        if not line.startswith("vpf-sim "):
+            continue
         done = subprocess.run(
             ["sh", "-c", line], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
         )

@@ -9,6 +9,7 @@ import io
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ from vpf_sim.geometry import unwrapped
 from vpf_sim.reporting import overlay, top_view
 from vpf_sim.reporting.canvas import Canvas
 from vpf_sim.reporting.redraw import rectangle_of, scene_of
+from vpf_sim.system import one_thread
 from vpf_sim.types import Image, Plan
 
 FOLDER = page.DOCS / "pictures" / "gallery"
@@ -33,8 +35,8 @@ DRIVES = FOLDER / "drives.json"
 RATE_HZ, STRIDE = 10.0, 6  # of the pictures; steps of a drive from one to the next
 BEFORE_S, AFTER_S = 1.8, 0.8  # of the moment that is shown
 ROWS = slice(90, 450)  # less sky, and 16:9
-CAMERA_PX, ABOVE_PX = (320, 180), (100, 180)
-QUALITY = 32  # of WebP
+CAMERA_PX, ABOVE_PX = (288, 162), (90, 162)
+QUALITY = 28  # of WebP
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,48 +51,76 @@ class Moving:
     quality: int = QUALITY
 
 
-README = page.Shown("town04-rain", "town04", "rain", "vpf")
+README = page.Shown("town04-rain", "town04", "rain", ("vpf",))
 OF_README = Moving((480, 270), beside=True, shown_s=(2.5, 7.5))
 
 
-def driven(shown: page.Shown) -> vpf_sim.Episode:
-    """The first drive that arrives, of a few seeds; the first drive if none does."""
+@dataclass(slots=True)
+class Driven:
+    """A drive, to be played again."""
+
+    drive: page.Drive
+    commands: list[Any]  # (2,) throttle and steering
+    plans: dict[int, Plan | None]  # by row, of each row that may be drawn
+    clearance_m: list[float]
+    yaw_rad: list[float]
+
+    def rows(self, shown_s: tuple[float, float] | None) -> range:
+        """The rows to draw."""
+        turning = np.abs(np.gradient(unwrapped(np.array(self.yaw_rad))))
+        moment = int(np.argmin(self.clearance_m) if np.isfinite(self.clearance_m).any() else np.argmax(turning))
+        hz = STRIDE * RATE_HZ
+        first_s, last_s = shown_s or (moment / hz - BEFORE_S, moment / hz + AFTER_S)
+        last = min(round(last_s * hz), len(self.commands))
+        first = max(last - round((last_s - first_s) * hz), 0)
+        return range(first - first % STRIDE, last, STRIDE)
+
+
+def arriving(shown: page.Shown) -> Driven:
+    """The first drive that arrives; the first drive if none does."""
     first = None
-    for seed in shown.seeds:
-        episode = vpf_sim.drive(shown.scenario, driver=shown.driver, weather=shown.weather, seed=seed)
-        if episode.status == "success":
-            return episode
-        first = first or episode
+    for name, seed in product(shown.drivers, shown.seeds):
+        done = driven(shown, name, seed)
+        if done.drive.status == "success":
+            return done
+        first = first or done
     assert first is not None
     return first
 
 
-def rows_of(steps: Any, shown_s: tuple[float, float] | None) -> range:
-    """The steps to draw."""
-    clearance_m = steps["clearance_m"].to_numpy()
-    turning = np.abs(np.gradient(unwrapped(steps["yaw_rad"].to_numpy())))
-    moment = int(np.argmin(clearance_m) if np.isfinite(clearance_m).any() else np.argmax(turning))
-    hz = STRIDE * RATE_HZ
-    first_s, last_s = shown_s or (moment / hz - BEFORE_S, moment / hz + AFTER_S)
-    last = min(round(last_s * hz), len(steps) - 1)
-    return range(max(last - round((last_s - first_s) * hz), 0), last, STRIDE)
-
-
-def shots(episode: vpf_sim.Episode, moving: Moving) -> Iterator[Image]:
-    """The pictures of an episode, which is driven again, with frames where they are needed."""
-    record, rows = episode.record, rows_of(episode.steps, moving.shown_s)
-    env, driver = FourLane(record["scenario"], record["weather"]), drivers.create(record["driver"])
-    observed, _ = env.reset(seed=record["seed"])
-    driver.reset(setup_for(driver, env, record["seed"]))
-    trail = []
-    for row in range(rows.stop):
+def driven(shown: page.Shown, name: str, seed: int) -> Driven:
+    """A drive, with the frames that the driver uses."""
+    driver = drivers.create(name)
+    uses_images = drivers.uses_images(driver)
+    env = FourLane(shown.scenario, shown.weather, frames=uses_images)
+    observed, info = env.reset(seed=seed)
+    driver.reset(setup_for(driver, env, seed))
+    commands, plans, clearance_m, yaw_rad, over = [], {}, [], [], False
+    while not over:
         observation = read(observed)
         command = drivers.command_of(driver, observation)
-        trail.append((observation.x_m, observation.y_m))
+        if len(commands) % STRIDE == 0:
+            plans[len(commands)] = drivers.trace_of(driver)
+        clearance_m.append(info["clearance_m"])
+        yaw_rad.append(observation.yaw_rad)
+        commands.append(np.array([command.throttle, command.steering]))
+        with_frame = uses_images and drivers.needs_next_frame(driver)
+        observed, _, terminated, truncated, info = env.step(commands[-1], with_frame=with_frame)
+        over = terminated or truncated
+    time_s = round(float(observed["time"][0]), 1)
+    drive = page.Drive(name, seed, info["status"], info.get("collided_with") or "", time_s)
+    return Driven(drive, commands, plans, clearance_m, yaw_rad)
+
+
+def shots(shown: page.Shown, done: Driven, moving: Moving) -> Iterator[Image]:
+    """The pictures of a drive, which is played again, with frames where they are needed."""
+    env, rows, trail = FourLane(shown.scenario, shown.weather), done.rows(moving.shown_s), []
+    observed, _ = env.reset(seed=done.drive.seed)
+    for row in range(rows.stop):
+        trail.append(env.ego.position.copy())
         if row in rows:
-            yield picture(env, observation.image, drivers.trace_of(driver), np.array(trail), moving)
-        needed = row + 1 in rows or (drivers.uses_images(driver) and drivers.needs_next_frame(driver))
-        observed = env.step(np.array([command.throttle, command.steering]), with_frame=needed)[0]
+            yield picture(env, observed["image"], done.plans[row], np.array(trail), moving)
+        observed = env.step(done.commands[row], with_frame=row + 1 in rows)[0]
 
 
 def picture(env: Any, image: Image, plan: Plan | None, trail_m: Any, moving: Moving) -> Image:
@@ -123,11 +153,10 @@ def webp(pictures: Sequence[Image], quality: int) -> bytes:
 
 def draw(shown: page.Shown, target: Path, moving: Moving) -> page.Drive:
     """Write the picture, and return the drive that it shows."""
-    episode = driven(shown)
-    target.write_bytes(webp([*shots(episode, moving)], moving.quality))
-    record = episode.record
-    time_s = round(float(episode.steps["time_s"].iloc[-1]), 1)
-    return page.Drive(record["seed"], record["status"], record["collided_with"] or "", time_s)
+    with one_thread():
+        done = arriving(shown)
+        target.write_bytes(webp([*shots(shown, done, moving)], moving.quality))
+    return done.drive
 
 
 def main(names: Sequence[str]) -> None:

@@ -17,8 +17,8 @@ NEWER = ("-v1", "-v2")  # versions of highway-env's environments with the road o
 HEAD = """# Gallery
 
 **What does it look like?** Each picture shows 2.6 seconds of a drive: the camera's frames, with what the driver
-perceives and plans if it tells, and the road from above. The command below a picture makes a video of the whole drive; add
-`--driver vpf`, or [your own](tutorials/own-driver.md). `python scripts/gallery/draw.py` makes this page.
+perceives and plans if it tells, and the road from above. The command below a picture makes a video of the whole drive.
+Name [your own driver](tutorials/own-driver.md) in it instead. `python scripts/gallery/draw.py` makes this page.
 
 [Scenarios](#scenarios) · [highway-env's roads](#highway-envs-roads) · [weathers](#weathers) · [drivers](#drivers)
 """
@@ -33,12 +33,12 @@ ENDINGS = {
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """A drive to show; its seed is the first of `seeds` with which it arrives."""
+    """A drive to show: the first that arrives, of all seeds of the first driver, then of the next."""
 
     name: str
     scenario: str
     weather: str
-    driver: str
+    drivers: tuple[str, ...]
     about: str = ""
     seeds: range = range(1)
 
@@ -51,6 +51,7 @@ class Shown:
 class Drive:
     """The drive that was drawn."""
 
+    driver: str
     seed: int
     status: str
     collided_with: str
@@ -75,15 +76,15 @@ def sections() -> tuple[Section, ...]:
     return (
         Section(
             "Scenarios",
-            "Driven by `expert`, which gets the true world: it shows which of them can be driven at all.",
-            tuple(Shown(name, name, "clear", "expert", scenarios.summary(name), range(3)) for name in ours),
+            "Driven by `expert`, which gets the true world, or by `vpf` where it does not arrive.",
+            tuple(Shown(name, name, "clear", ("expert", "vpf"), scenarios.summary(name), range(3)) for name in ours),
         ),
         Section(
             "highway-env's roads",
-            "With highway-env's traffic, driven by its own driver. Newer versions (`-v1`, `-v2`) have the same roads: "
-            "[highway-env's roads](highway-env.md).",
+            "With highway-env's traffic, driven by its own driver, or by `expert` where that does not arrive. Newer "
+            "versions (`-v1`, `-v2`) have the same roads: [highway-env's roads](highway-env.md).",
             tuple(
-                Shown(name, name, "clear", "idm", scenarios.summary(name), range(6))
+                Shown(name, name, "clear", ("idm", "expert"), scenarios.summary(name), range(6))
                 for name in roads
                 if not (name.endswith(NEWER) and _oldest(name) in roads)
             ),
@@ -92,7 +93,7 @@ def sections() -> tuple[Section, ...]:
             "Weathers",
             "The same drive past the same car. A weather of your own is a short file: [weather](weather.md).",
             tuple(
-                Shown(f"weather-{name}", "gate-traffic", name, "expert", in_words(one))
+                Shown(f"weather-{name}", "gate-traffic", name, ("expert",), in_words(one))
                 for name, one in weather.PRESETS.items()
             ),
         ),
@@ -101,7 +102,7 @@ def sections() -> tuple[Section, ...]:
             "Each on the paper's road, with two parked cars, in hard rain. What each is told, and how often it arrives:"
             " [which driver?](comparison.md). `keyboard` is [you](start.md#drive-yourself).",
             tuple(
-                Shown(f"driver-{one.name}", "town04", "rain", one.name, one.summary)
+                Shown(f"driver-{one.name}", "town04", "rain", (one.name,), one.summary)
                 for one in drivers.describe()
                 if one.name not in NOT_DRIVING
             ),
@@ -133,9 +134,9 @@ def _figure(shown: Shown, drive: Drive) -> str:
     title = shown.name.partition("-")[2] if shown.name.startswith(("weather-", "driver-")) else shown.name
     return f"""<div>
 
-![{shown.scenario}, {shown.weather}, {shown.driver}]({PICTURES}/{shown.file})
+![{shown.scenario}, {shown.weather}, {drive.driver}]({PICTURES}/{shown.file})
 
-**{title}**: {shown.about.removesuffix(".")}. `{shown.driver}` {drive}.
+**{title}**: {shown.about.removesuffix(".")}. `{drive.driver}` {drive}.
 
 ```sh
 {command(shown, drive)}
@@ -148,7 +149,7 @@ def _figure(shown: Shown, drive: Drive) -> str:
 def command(shown: Shown, drive: Drive) -> str:
     """The command that drives it again, over two lines."""
     weather_is = "" if shown.weather == "clear" else f" --weather {shown.weather}"
-    first = f"vpf-sim drive {shown.scenario}{weather_is} --driver {shown.driver}"
+    first = f"vpf-sim drive {shown.scenario}{weather_is} --driver {drive.driver}"
     return f"{first} \\\n  --seed {drive.seed} --video {shown.name}.mp4"
 
 

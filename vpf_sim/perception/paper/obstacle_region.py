@@ -1,7 +1,7 @@
 """The region of interest A of the paper's obstacle force: which image points may be obstacles (section IV-B).
 
 The paper prints "with A defined as in (A)", which points at a matrix, and says that |R| "is the region of interest in
-the image". It prints a horizon of 5 s, 27.5 m at 20 km/h, for its road field. `docs/readings.md` lists the readings.
+the image". It prints a horizon of 5 s, 27.5 m at 20 km/h, for its road field. `docs/reproduce.md` lists the readings.
 """
 
 from dataclasses import dataclass, field
