@@ -34,6 +34,7 @@ lexers["csv"] = TextLexer()
 
 html_theme = "furo"
 html_show_copyright = False
+html_show_sourcelink = False  # its icon stands over the title on a phone
 html_title = f"vpf_sim {version}"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]

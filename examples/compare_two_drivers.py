@@ -7,7 +7,7 @@ Neither uses frames, so this takes seconds. Prints
     curve-left  stanley  arrives 100%
     curve-right slow     arrives   0%
     curve-right stanley  arrives 100%
-    success on curve-left, slow minus stanley: -1.00 (95 % interval -1.00 to 0.10)
+    success on curve-left, stanley minus slow: 1.00 (95 % interval -0.10 to 1.00)
 """
 
 # %% A driver of our own

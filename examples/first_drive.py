@@ -3,8 +3,8 @@
 `vpf_sim.drive` returns the record (scores) and the steps (a pandas data frame with a row a frame). Prints
 
     success after 34.8 s
-    path MSE 0.3 m2, least clearance 0.6 m
-    speed 5.0 to 5.5 m/s
+    path MSE 0.5 m2, least clearance 0.6 m
+    speed 4.7 to 5.5 m/s
 
 Nothing is stored; `out=True` would make a run folder.
 """

@@ -14,7 +14,8 @@ import vpf_sim
 
 folder = Path(tempfile.mkdtemp())
 lanes = "".join(f'<lane id="-{n}" type="driving"><width sOffset="0" a="3.5" b="0" c="0" d="0"/></lane>' for n in (1, 2))
-(folder / "map.xodr").write_text(f"""<?xml version="1.0"?>
+with open(folder / "map.xodr", "w") as file:
+    file.write(f"""<?xml version="1.0"?>
 <OpenDRIVE><header revMajor="1" revMinor="4"/><road id="1" length="150" junction="-1"><planView>
 <geometry s="0" x="0" y="0" hdg="0" length="60"><line/></geometry>
 <geometry s="60" x="60" y="0" hdg="0" length="40"><arc curvature="-0.01"/></geometry>
@@ -25,7 +26,8 @@ lanes = "".join(f'<lane id="-{n}" type="driving"><width sOffset="0" a="3.5" b="0
 # %% A scenario on it
 # The road is named by its id; places are metres along the carriageway, and lanes are counted from the right.
 scenario = folder / "my_map.toml"
-scenario.write_text("""schema = 1
+with open(scenario, "w") as file:
+    file.write("""schema = 1
 road = {opendrive = "map.xodr", route = ["1"], direction = "forward"}
 ego = {lane = 1, s_m = 5.0}
 goal = {s_m = 120.0}
