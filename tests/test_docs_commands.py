@@ -34,6 +34,8 @@ PAGES = ["own-drives", "gate", "sweeps", "reproduce", "datasets", "verification"
 # For a good part of an hour, or need recordings; the gallery's are driven by the script that makes it.
 TOO_LONG = {"results", "learning", "hard", "highway-env", "twins", "gallery"}
 TUTORIALS = {"start"}  # tests/test_tutorials.py
+WRITTEN = {"results.md", "commands.md"}  # by the program
+MOST_COLUMNS = 92
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 ELSEWHERE = ("pip ", "helm ")  # what sets up machines, and no command of ours
 STAYS = "dask "  # runs until it is ended
@@ -73,6 +75,15 @@ def test_a_printed_command_is_understood(words: list[str]) -> None:
         name, command, words = command.resolve_command(context, words)  # type: ignore[attr-defined]
     assert command is not None
     command.make_context(name, list(words), parent=context)
+
+
+def test_printed_commands_fit_the_page() -> None:
+    """Longer ones are broken over lines."""
+    for page in (ROOT / "README.md", *DOCS.rglob("*.md")):
+        if page.name not in WRITTEN:
+            found = BLOCK.findall(page.read_text("utf-8"))
+            lines = [line for kind, content in found if kind == "sh" for line in content.splitlines()]
+            assert not [line for line in lines if len(line) > MOST_COLUMNS], page.name
 
 
 def test_every_page_with_commands_is_run() -> None:
