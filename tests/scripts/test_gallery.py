@@ -10,9 +10,9 @@ from short_scenario import write_short
 from vpf_sim import drivers, scenarios
 from vpf_sim.envs.camera import weather
 
-sys.path.append(str(Path(__file__).parents[2] / "scripts" / "gallery"))
-import draw
-import page
+sys.path.append(str(Path(__file__).parents[2] / "scripts" / "figures"))
+import gallery as draw
+import gallery_page as page
 
 MOST_BYTES = 12_000_000
 SHOWN = tuple(page.everything())

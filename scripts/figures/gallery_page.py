@@ -18,7 +18,7 @@ HEAD = """# Gallery
 
 **What does it look like?** Each picture shows 2.6 seconds of a drive: the camera's frames, with what the driver
 perceives and plans if it tells, and the road from above. The command below a picture makes a video of the whole drive.
-Name [your own driver](tutorials/own-driver.md) in it instead. `python scripts/gallery/draw.py` makes this page.
+Name [your own driver](tutorials/own-driver.md) in it instead. `python scripts/figures/gallery.py` makes this page.
 
 [Scenarios](#scenarios) · [highway-env's roads](#highway-envs-roads) · [weathers](#weathers) · [drivers](#drivers)
 """
@@ -91,9 +91,9 @@ def sections() -> tuple[Section, ...]:
         ),
         Section(
             "Weathers",
-            "The same drive past the same car. A weather of your own is a short file: [weather](weather.md).",
+            "The same drive past the same parked car. A weather of your own is a short file: [weather](weather.md).",
             tuple(
-                Shown(f"weather-{name}", "gate-traffic", name, ("expert",), in_words(one))
+                Shown(f"weather-{name}", "town04", name, ("expert",), in_words(one))
                 for name, one in weather.PRESETS.items()
             ),
         ),
