@@ -53,7 +53,7 @@ class Moving:
 
 
 README = page.Shown("town04-rain", "town04", "rain", ("vpf",))
-OF_README = Moving((480, 270), beside=True, shown_s=(2.5, 7.5))
+OF_README = Moving((480, 270), beside=True, shown_s=(2.5, 7.5), quality=40)
 
 
 @dataclass(slots=True)
