@@ -72,9 +72,9 @@ class Driven:
         moment = int(np.argmin(self.clearance_m) if np.isfinite(self.clearance_m).any() else np.argmax(turning))
         hz = STRIDE * RATE_HZ
         first_s, last_s = shown_s or (moment / hz - BEFORE_S, moment / hz + AFTER_S)
-        last = min(round(last_s * hz), len(self.commands))
-        first = max(last - round((last_s - first_s) * hz), 0)
-        return range(first - first % STRIDE, last, STRIDE)
+        count = min(round((last_s - first_s) * hz), len(self.commands))
+        first = min(max(round(first_s * hz), 0), len(self.commands) - count)
+        return range(first - first % STRIDE, first + count, STRIDE)
 
 
 def arriving(shown: page.Shown) -> Driven:
