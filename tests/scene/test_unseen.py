@@ -1,13 +1,18 @@
 """Traffic that a camera does not see: beside the car and behind it, on a road of three lanes."""
 
+from dataclasses import replace
+
 import driver_settings
 import numpy as np
 import pytest
-from made_scene import LANE_M, road
+from made_scene import LANE_M, road, scene
 
+from vpf_sim.planning.spacetime import settings
+from vpf_sim.planning.spacetime.planner import SpacetimePlanner
 from vpf_sim.scene.scene import EgoState
 from vpf_sim.scene.tracks import Tracks
 from vpf_sim.scene.unseen import UnseenTraffic
+from vpf_sim.types import VehicleModel
 
 TRAFFIC_MPS = 5.0
 
@@ -22,11 +27,21 @@ def tracks(own_mps: float, seen_mps: float = TRAFFIC_MPS, seconds: float = 2.0, 
 
 def test_a_car_that_is_slower_than_the_traffic_may_be_overtaken_in_each_other_lane() -> None:
     found = tracks(2.0)
-    np.testing.assert_allclose(found.d_m, [-LANE_M, LANE_M])
+    np.testing.assert_allclose(np.unique(found.d_m), [-LANE_M, LANE_M])
     np.testing.assert_allclose(found.speed_mps, TRAFFIC_MPS)
-    assert (found.x_m - 0.5 * found.length_m < -10.0).all()
-    assert (found.x_m + 0.5 * found.length_m > 2.0).all()
-    np.testing.assert_allclose(tracks(2.0, d_m=LANE_M).d_m, [-LANE_M, 0.0])
+    for d_m in (-LANE_M, LANE_M):
+        begin, end = (found.x_m[found.d_m == d_m] + sign * 0.5 * found.length_m[0] for sign in (-1.0, 1.0))
+        assert begin.min() < -10.0
+        assert end.max() > 1.0
+        assert (np.sort(begin)[1:] - np.sort(end)[:-1] < 4.5).all(), "no room for a car between them"
+    np.testing.assert_allclose(np.unique(tracks(2.0, d_m=LANE_M).d_m), [-LANE_M, 0.0])
+
+
+def test_a_car_that_stands_aslant_may_go_on_in_its_lane() -> None:
+    on, planner = road(), SpacetimePlanner(settings.load(), VehicleModel())
+    here = scene(on, tracks(0.3), 0.0, -0.7, 0.3)
+    aslant = replace(here, ego=here.ego._replace(yaw_rad=-0.17))
+    assert planner.plan(aslant).speed_at(4.0) > 3.0
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from vpf_sim.scene.scene_settings import UnseenConfig
 from vpf_sim.scene.tracks import Tracks
 from vpf_sim.types import Floats
 
-BESIDE_M = -16.0, 4.0  # from the car's middle
+PLACES_M, LENGTH_M = (-9.0, -1.5), 6.0  # from the car's middle to those of vehicles beside and behind
 WIDTH_M = 1.0  # enough to keep the car out of the lane
 IN_LANE = 0.6  # of a lane's width: a car that is nearer to a lane's middle is in it
 STANDING_MPS, DRIVING_MPS = 0.3, 2.0  # a car that has begun to drive goes on
@@ -42,16 +42,16 @@ class UnseenTraffic:
             self._seen_s = time_s
 
     def tracks(self, road: Road, ego: EgoState, time_s: float) -> Tracks:
-        """A track in each other lane of our direction while the car is slower than the traffic."""
+        """Tracks beside and behind in each other lane of our direction while the car is slower than the traffic."""
         lanes = road.lanes_at(np.array([ego.s_m]))[:, 0]
         others = lanes[np.abs(lanes - ego.d_m) > IN_LANE * road.lane_width_m]
         recent = time_s - self._seen_s < self._config.remembered_s and self._stood_s < self._config.patience_s
         if not recent or ego.speed_mps > self._config.slower_share * self._speed_mps:
             others = others[:0]
-        same = np.ones(len(others))
-        s = (ego.s_m + 0.5 * sum(BESIDE_M)) * same
+        others, places = (grid.ravel() for grid in np.meshgrid(others, PLACES_M))
+        s, same = ego.s_m + places, np.ones(len(others))
         x, y, heading = road.world(s, others)
         return Tracks(
-            x, y, heading, self._speed_mps * same, 0.0 * same, (BESIDE_M[1] - BESIDE_M[0]) * same, WIDTH_M * same,
+            x, y, heading, self._speed_mps * same, 0.0 * same, LENGTH_M * same, WIDTH_M * same,
             s, others, same, np.zeros((len(others), 4, 4)), -1 - np.arange(len(others)),
         )  # fmt: skip
