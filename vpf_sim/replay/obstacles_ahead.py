@@ -1,6 +1,5 @@
 """Obstacles in the driver's corridor, and the time to contact with the lead vehicle by the expansion of its image."""
 
-from dataclasses import dataclass
 from math import inf, nan
 from typing import Any
 
@@ -54,16 +53,16 @@ class LeadVehicle:
 
     def __init__(self, camera: Camera, rate_hz: float) -> None:
         self._camera = camera
-        self._expansion_rate = LoomingTracker(rate_hz)
+        self._looming = LoomingTracker(rate_hz)
 
     def ttc_s(self, image: Image, gap_m: float) -> float:
         """s, at the grey (H, W) frame; inf without looming, nan with too few points."""
         if not np.isfinite(gap_m) or gap_m <= 0.0:
-            return self._expansion_rate.update(image, None).ttc_s
+            return self._looming.update(image, None)
         forward = self._camera.forward_m + gap_m
         corners = np.array([(forward, -HALF_WIDTH_M, LOW_M), (forward, HALF_WIDTH_M, HIGH_M)])
         (left, bottom), (right, top) = project(self._camera, corners)
-        return self._expansion_rate.update(image, (left, top, right, bottom)).ttc_s
+        return self._looming.update(image, (left, top, right, bottom))
 
 
 def closing_mps(gap_m: Floats, times_s: Floats, window_s: float = 1.0) -> Floats:
@@ -88,19 +87,6 @@ NONE: Any = None  # for arguments of OpenCV that its stubs want to be arrays
 Box = tuple[float, float, float, float]  # left, top, right, bottom px
 
 
-@dataclass(frozen=True, slots=True)
-class Contact:
-    """Contact with one object. `ttc_s` is inf without significant expansion, nan with too few points."""
-
-    ttc_s: float
-    expansion_rate_per_s: float
-    sigma_per_s: float  # standard deviation of the expansion rate
-    points: int  # in agreement
-
-
-UNKNOWN = Contact(nan, nan, nan, 0)
-
-
 class LoomingTracker:
     """Tracks an object whose image position is roughly known and measures its looming.
 
@@ -116,19 +102,22 @@ class LoomingTracker:
         self._trail = np.empty((self._frames + 1, 0, 2), np.float32)  # newest first
         self._age = np.empty(0, np.int64)  # frames
 
-    def update(self, image: Image, box: Box | None) -> Contact:
-        """Contact with the object that fills most of a box of the grey (H, W) frame; None: not visible."""
+    def update(self, image: Image, box: Box | None) -> float:
+        """s, time to contact with the object that fills most of a box of the grey (H, W) frame; None: not visible.
+
+        It is inf without significant expansion, nan with too few points.
+        """
         if self._previous is not None and len(self._age):
             self._follow(self._previous, image)
         self._previous = image
         if box is None:
-            return UNKNOWN
+            return nan
         left, top, right, bottom = box
         x, y = self._trail[0].T
         self._keep((x > left) & (x < right) & (y > top) & (y < bottom))
-        contact = self._contact()
+        ttc_s = self._ttc_s()
         self._add(image, box)
-        return contact
+        return ttc_s
 
     def _follow(self, before: Image, now: Image) -> None:
         points = np.ascontiguousarray(self._trail[0])
@@ -160,27 +149,23 @@ class LoomingTracker:
         self._trail = np.concatenate([self._trail, more], axis=1)
         self._age = np.concatenate([self._age, np.zeros(len(corners), np.int64)])
 
-    def _contact(self) -> Contact:
+    def _ttc_s(self) -> float:
         age = np.minimum(self._age, self._frames)
         rows = np.flatnonzero(age >= max(1.0, LEAST_AGE_SHARE * self._frames))
         if len(rows) < LEAST_POINTS:
-            return UNKNOWN
+            return nan
         now, before = self._trail[0, rows].astype(np.float64), self._trail[age[rows], rows].astype(np.float64)
         span_s = age[rows] / self._rate_hz
         middle, speed = 0.5 * (now + before), (now - before) / span_s[:, None]
         tolerance = NOISE_PX * np.sqrt(age[rows]) / span_s
         agree = _largest_consensus(middle, speed, tolerance)
-        count = int(np.count_nonzero(agree))
-        if count < LEAST_POINTS:
-            return UNKNOWN
+        if np.count_nonzero(agree) < LEAST_POINTS:
+            return nan
         rate, sigma = _expansion_rate(middle[agree], speed[agree], tolerance[agree])
-        # The rate holds at the middle of the path; the object has come nearer since.
-        since_s = 0.5 * float(np.average(span_s[agree], weights=tolerance[agree] ** -2))
-        return Contact(self._ttc_s(rate, sigma, since_s), rate, sigma, count)
-
-    def _ttc_s(self, rate: float, sigma: float, since_s: float) -> float:
         if not rate > SIGNIFICANCE_SD * sigma:
             return inf
+        # The rate holds at the middle of the path; the object has come nearer since.
+        since_s = 0.5 * float(np.average(span_s[agree], weights=tolerance[agree] ** -2))
         ttc = max(0.0, 1.0 / rate - since_s)
         return ttc if ttc < CAP_S else inf
 
