@@ -112,7 +112,7 @@ def test_a_turned_car_that_goes_straight_on_clears_what_that_brings(way_m: float
     sine, cosine = np.sin(heading), np.cos(heading)
     ahead = way_m + 0.5 * CAR.length_m
     at_face = -side * cosine + (ahead - side * sine) * sine / cosine
-    assert LIMITS.brought(np.array([way_m]), slope)[0] == pytest.approx(at_face + side)
+    assert LIMITS.heading_shift(np.array([way_m]), slope)[0] == pytest.approx(at_face + side)
 
 
 @pytest.mark.parametrize("speed_mps", [3.0, 5.0])
@@ -256,7 +256,7 @@ def test_a_gap_beside_the_edge_that_is_chosen_is_gone_through(way_m: float) -> N
 
 @pytest.mark.parametrize(("gap_m", "slope"), [(6.0, 0.0), (4.3, 0.0), (4.3, 0.2), (4.3, -0.3), (1.5, 0.05)])
 def test_the_way_to_an_edge_is_that_of_the_law_by_which_the_path_comes_near(gap_m: float, slope: float) -> None:
-    """Integrated: turning on the tightest curve, then g' = -g / arm, until the rear axle is abreast of the face."""
+    """Integrated: turning on the tightest curve, then g' = -g / arm, until the rear axle is beside the face."""
     left_m, step_m = np.array([0.3, 0.8, 1.2]), 1e-3
     told = LIMITS.edge_way(gap_m, left_m, slope)
     gap, way, reached = gap_m, -0.5 * CAR.length_m - CAR.l_r_m, np.full(3, np.inf)

@@ -228,7 +228,7 @@ def test_the_controller_brakes_hard_from_where_the_planner_asks_for_it() -> None
     assert hard_excess(50.0) == load_gains("robust").hard_braking_error_mps
 
 
-def unwound(obstacles: LaneObstacles, path: LateralPath) -> float:
+def straightened(obstacles: LaneObstacles, path: LateralPath) -> float:
     """v_d where only the steering slows a path, which need not come to rest."""
     limits = SpeedLimits(replace(SPEED, rest_m=None), ROBUST, SETUP, LIMITS)
     return limits.update(LANE, geometry(obstacles), 0.0, 2.0, path)
@@ -240,12 +240,12 @@ def test_the_wheels_are_straight_before_the_path_is_too_steep(side: float) -> No
     wall = LaneObstacles(*(np.array([one]) for one in (BUMPER_M - 3.0, *sorted((side * 2.0, side * 5.0)))))
     glide = lateral_path(0.0, 5.0)
     glide.slope, glide.bend_per_m = side * 0.05, side * 0.12
-    speed_mps = unwound(wall, glide)
+    speed_mps = straightened(wall, glide)
     assert ROBUST.limits.walking_mps < speed_mps < SPEED_MPS
     allowed = LIMITS.path_between(geometry(wall).between(LANE, 0.0), 0.0)[side > 0.0]
     assert 0.05 + 0.12**2 / (2.0 * LIMITS.steering(np.array([speed_mps]))[0]) == pytest.approx(allowed + 0.02, abs=0.01)
     glide.slope, glide.bend_per_m = side * 0.3, 0.0
-    assert unwound(wall, glide) > SPEED_MPS - 0.1
+    assert straightened(wall, glide) > SPEED_MPS - 0.1
 
 
 def test_a_car_that_speeds_up_in_a_swerve_does_not_turn_on_towards_what_is_beside() -> None:

@@ -95,7 +95,7 @@ class KinematicLimits:
         """(K,) m of way before obstacles, to come from one gap to an edge to the smaller one that they leave.
 
         At walking speed the car, headed at a slope towards the edge, turns to its largest angle and comes near by
-        `path_between`, g' = -g / arm, until the rear axle is abreast of the face. inf where no gap is left.
+        `path_between`, g' = -g / arm, until the rear axle is beside the face. inf where no gap is left.
         """
         if self._config.edge is None or gap_m <= 0.0:
             return np.full_like(left_m, -np.inf)
@@ -143,11 +143,11 @@ class KinematicLimits:
         return least
 
     def reaches(self, way_m: Floats, shift_m: Floats, slope: float) -> Bools:
-        """(K,) whether shifts are possible at all for a car headed at a slope towards them (`brought`)."""
-        reached: Bools = shift_m - self.brought(way_m, slope) <= self.aside(way_m)
+        """(K,) whether shifts are possible at all for a car headed at a slope towards them (`heading_shift`)."""
+        reached: Bools = shift_m - self.heading_shift(way_m, slope) <= self.aside(way_m)
         return reached
 
-    def brought(self, way_m: Floats, slope: Floats | float) -> Floats:
+    def heading_shift(self, way_m: Floats, slope: Floats | float) -> Floats:
         """m aside that a car headed at a slope gets by going straight on until its bumper is there.
 
         The side at the front must be clear by then, half a length ahead of the pose. The side behind it is farther off,
@@ -156,8 +156,8 @@ class KinematicLimits:
         slope = np.maximum(slope, 0.0)
         way = np.maximum(way_m, 0.0) + 0.5 * self._vehicle.length_m
         wider = 0.5 * self._vehicle.width_m * (np.sqrt(1.0 + slope**2) - 1.0)
-        brought: Floats = way * slope - wider
-        return brought
+        heading_shift: Floats = way * slope - wider
+        return heading_shift
 
     def speed(self, way_m: Floats, shift_m: Floats, goal_m: float, slope: float) -> Floats:
         """(K,) m/s at which shifts are done on the way that is left, on a path to a goal so far aside or farther.

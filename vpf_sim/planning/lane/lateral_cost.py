@@ -78,16 +78,16 @@ class LateralCost:
         """The cost about the vehicle now."""
         gaps = self._edge_gaps(lane)
         road = self._road(*gaps)
-        shut = self._beyond(*gaps)
+        blocked = self._beyond(*gaps)
         obstacle = rows = self._nothing
         if len(geometry):
-            obstacle, shut = self._obstacle(geometry), shut + self._unreached(geometry, lane)
+            obstacle, blocked = self._obstacle(geometry), blocked + self._unreached(geometry, lane)
             higher = self._config.unstopped_share
-            if higher is not None and not ((obstacle < self._touching) & (shut == 0.0)).any():
+            if higher is not None and not ((obstacle < self._touching) & (blocked == 0.0)).any():
                 obstacle = self._obstacle(geometry, self._unstopped(higher, geometry, speed_mps)[:, None])
             rows = self._rows(geometry, lane)
             obstacle = obstacle + rows
-        kept = self._target + road + obstacle + shut
+        kept = self._target + road + obstacle + blocked
         if self._last_m is not None:
             kept = kept + self._memory(self._last_m, geometry, lane, rows)
         self._last_m = self._minimum(kept, lane)
@@ -158,8 +158,8 @@ class LateralCost:
             return memory
         chosen_m, middle = np.full(len(geometry), last_m), geometry.obstacles.middle_m
         if beside is not None:
-            abreast = self._abreast(beside, geometry, lane)
-            chosen_m, kept = np.where(abreast, lane.y_m, last_m), np.where(abreast, beside.height, kept)
+            beside_car = self._beside_car(beside, geometry, lane)
+            chosen_m, kept = np.where(beside_car, lane.y_m, last_m), np.where(beside_car, beside.height, kept)
         height = np.where(near, kept, 0.0)
         other = (self._y_m[None] - middle[:, None]) * np.sign(chosen_m - middle)[:, None] < 0.0
         latched: Floats = memory + (other * height[:, None]).max(axis=0)
@@ -187,7 +187,7 @@ class LateralCost:
             kept = np.where(turned, kept, kept * sided)
         return geometry.present & ((geometry.way_m < config.ahead_m) | turned), kept
 
-    def _abreast(self, config: BesideConfig, geometry: ObstacleGeometry, lane: Lane) -> Bools:
+    def _beside_car(self, config: BesideConfig, geometry: ObstacleGeometry, lane: Lane) -> Bools:
         """(K,) which obstacles are beside the car, or move and would be reached while it changes sides behind them."""
         way, crossing = geometry.way_m, config.crossing
         if crossing is None:
@@ -205,9 +205,9 @@ class LateralCost:
         least, most = obstacles.left_m - self._half_width_m, obstacles.right_m + self._half_width_m  # overlapping
         taken = self._nothing
         if self._config.beside is not None:
-            abreast = geometry.stands & (geometry.way_m <= 0.0)
-            from_m = least.min(where=abreast & (here <= least), initial=np.inf)
-            up_to_m = most.max(where=abreast & (here >= most), initial=-np.inf)
+            beside_car = geometry.stands & (geometry.way_m <= 0.0)
+            from_m = least.min(where=beside_car & (here <= least), initial=np.inf)
+            up_to_m = most.max(where=beside_car & (here >= most), initial=-np.inf)
             taken = self._config.beside.height * ((self._y_m > from_m) | (self._y_m < up_to_m))
         ahead = geometry.stands & (geometry.way_m > 0.0)
         if self._config.unreached_height is None or not ahead.any():
@@ -225,7 +225,7 @@ class LateralCost:
         `least_m`, `most_m` (K,): the lateral positions in which the car would overlap it.
         """
         way, slope = geometry.way_m, np.array([[-tan(lane.heading_rad)], [tan(lane.heading_rad)]])
-        shift = np.array([most_m - lane.y_m, lane.y_m - least_m]) - self._kinematics.brought(way, slope)
+        shift = np.array([most_m - lane.y_m, lane.y_m - least_m]) - self._kinematics.heading_shift(way, slope)
         slow = np.array(self._edge_way(least_m, most_m, lane)) > way
         right, left = (shift > self._kinematics.aside(way)) | slow
         return right, left

@@ -42,18 +42,18 @@ class LateralPath:
         time_s: float,
         speed_mps: float,
         step_m: float,
-        flanks: tuple[float, float] = (inf, inf),
+        side_slopes: tuple[float, float] = (inf, inf),
     ) -> None:
         """One step towards the minimum, which must be reached in `time_s`.
 
-        With `flanks`, the largest slopes to the left and right, the sides of the car keep off obstacles beside it.
+        With `side_slopes`, the largest slopes to the left and right, the sides of the car keep off obstacles beside it.
         """
         error, limits = minimum_m - self.y_m, self._kinematics.limits(speed_mps)
         way = self._way(abs(error), limits, time_s, speed_mps, step_m)
         jerk = (60.0 * error / way - 36.0 * self.slope) / way**2 - 9.0 * self.bend_per_m / way
         most = float(limits.steering_per_m2)
         bend = self.bend_per_m + min(max(jerk, -most), most) * step_m
-        self.bend_per_m = self._bounded(bend, lane, flanks, limits, step_m)
+        self.bend_per_m = self._bounded(bend, lane, side_slopes, limits, step_m)
         self.slope = min(max(self.slope + self.bend_per_m * step_m, -STEEPEST), STEEPEST)
         self.y_m += self.slope * step_m
 
@@ -73,7 +73,7 @@ class LateralPath:
         return self._way_m
 
     def _bounded(
-        self, bend_per_m: float, lane: Lane, flanks: tuple[float, float], limits: Limits, step_m: float
+        self, bend_per_m: float, lane: Lane, side_slopes: tuple[float, float], limits: Limits, step_m: float
     ) -> float:
         """The bend, so that the slope comes to rest at its bounds as fast as the steering turns.
 
@@ -93,7 +93,7 @@ class LateralPath:
             return min(max(min(braked(min(ratio, flank) - slope), by_edge), -tightest), tightest)
 
         left, right = self._kinematics.path_between(lane, self.y_m)
-        to_left, to_right = flanks
+        to_left, to_right = side_slopes
         largest = max(largest_to(right, to_right, -to_left, self.slope), self.bend_per_m - change)
         least = min(-largest_to(left, to_left, -to_right, -self.slope), self.bend_per_m + change)
         if least > largest:

@@ -59,7 +59,7 @@ class ObstacleGeometry:
         beside: Bools = np.any(self.in_row & some, axis=1)
         return beside
 
-    def shut_rows(self, y_m: float) -> Bools:
+    def blocked_rows(self, y_m: float) -> Bools:
         """(K,) which obstacles ahead are in a row that leaves the car at y no way through.
 
         The first of a row must leave the least clearance, those behind it the one of full speed: their sides have
@@ -105,14 +105,14 @@ class ObstacleGeometry:
         if not passing.any():
             return lane
         left_m, right_m = self.obstacles.left_m, self.obstacles.right_m
-        abreast = self.way_m < 0.0
-        least = np.where(abreast, lane.y_m, min(lane.y_m, path_m) - self._half_width_m)
-        most = np.where(abreast, lane.y_m, max(lane.y_m, path_m) + self._half_width_m)
+        beside_car = self.way_m < 0.0
+        least = np.where(beside_car, lane.y_m, min(lane.y_m, path_m) - self._half_width_m)
+        most = np.where(beside_car, lane.y_m, max(lane.y_m, path_m) + self._half_width_m)
         right = left_m.min(where=passing & (left_m > most), initial=lane.right_m)
         left = right_m.max(where=passing & (right_m < least), initial=lane.left_m)
         return replace(lane, right_m=float(right), left_m=float(left))
 
-    def flanks(self, path_m: float, slope: float) -> tuple[float, float]:
+    def side_slopes(self, path_m: float, slope: float) -> tuple[float, float]:
         """Largest slopes of the path to the left and right with which no side of the car swings into an obstacle.
 
         The path of the rear axle is at `path_m` with `slope`. Ahead of that axle a side swings the way the car turns:
@@ -122,15 +122,15 @@ class ObstacleGeometry:
         if self._config.corner_swing is None:
             return inf, inf
         ahead = self.obstacles.along_m + self._l_r_m  # x
-        abreast = (self.way_m < 0.0) & (ahead > 0.0)
-        if not abreast.any():
+        beside_car = (self.way_m < 0.0) & (ahead > 0.0)
+        if not beside_car.any():
             return inf, inf
-        reach, on_right = ahead[abreast], self.obstacles.middle_m[abreast] > path_m + slope * ahead[abreast]
-        right = self._swing(reach[on_right], self.obstacles.left_m[abreast][on_right] - path_m, slope)
-        left = self._swing(reach[~on_right], path_m - self.obstacles.right_m[abreast][~on_right], -slope)
+        reach, on_right = ahead[beside_car], self.obstacles.middle_m[beside_car] > path_m + slope * ahead[beside_car]
+        right = self._turn_slope(reach[on_right], self.obstacles.left_m[beside_car][on_right] - path_m, slope)
+        left = self._turn_slope(reach[~on_right], path_m - self.obstacles.right_m[beside_car][~on_right], -slope)
         return left, right
 
-    def _swing(self, ahead_m: Floats, aside_m: Floats, slope: float) -> float:
+    def _turn_slope(self, ahead_m: Floats, aside_m: Floats, slope: float) -> float:
         """Largest slope towards corners (K,) so far ahead of the rear axle and aside of its path."""
         cosine = sqrt(1.0 - slope**2)
         gap = aside_m - (ahead_m * slope + self._half_width_m) / cosine
@@ -174,7 +174,7 @@ class ObstacleGeometry:
         As if all were static: for one that moves on, it is less than it takes.
         """
         slope = -tan(lane.heading_rad)
-        y = lane.y_m + slope * self.obstacles.along_m  # of our front where it is abreast of the face
+        y = lane.y_m + slope * self.obstacles.along_m  # of our front where it is beside the face
         beyond = np.maximum(self.obstacles.left_m - y, y - self.obstacles.right_m) - self._half_width_m
         nears = (self.obstacles.left_m + self.obstacles.right_m - 2.0 * y) * slope > 0.0
         further = np.maximum(beyond, 0.0) / max(abs(slope), FREE_M)

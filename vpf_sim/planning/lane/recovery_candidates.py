@@ -95,11 +95,11 @@ def _turns(
     wishes = np.stack([full, -full, 0.0 * full])
     while len(rows) < steps and end.max() + 1 >= len(rows):
         rows.append((along, y, turned, steering))
-        unwound = -np.log(np.cos(steering)) / vehicle.wheelbase_m / per_m  # rad, while the wheels are turned back
+        straightened = -np.log(np.cos(steering)) / vehicle.wheelbase_m / per_m  # rad, while the wheels are turned back
         turns_on = side * steering
-        stage = stage + ((stage == 0) & (angle - side * turned <= unwound * (turns_on > 0.0)))
+        stage = stage + ((stage == 0) & (angle - side * turned <= straightened * (turns_on > 0.0)))
         straight = np.where((stage > 0) & (turns_on <= 0.0), np.minimum(straight, len(rows) - 1), straight)
-        stage = stage + ((stage == 1) & (side * turned <= unwound * (turns_on < 0.0)))
+        stage = stage + ((stage == 1) & (side * turned <= straightened * (turns_on < 0.0)))
         is_back = (stage == 2) & (np.abs(steering) < most)
         end = np.where(is_back, np.minimum(end, len(rows) - 1), end)
         before, steering = steering, steering + np.clip(wishes[stage, np.arange(count)] - steering, -most, most)

@@ -58,16 +58,16 @@ class LaneReference:
         rear = rear_m(lane, self._vehicle)
         if self._path is None:
             self._path = LateralPath(config, self._kinematics, rear, config.shift_s * self._speed_reference_mps)
-        between, time_s, flanks = lane, np.inf, (np.inf, np.inf)
+        between, time_s, side_slopes = lane, np.inf, (np.inf, np.inf)
         if len(geometry):
             between = geometry.between(lane, self._path.y_m)
-            flanks = geometry.flanks(self._path.y_m, self._path.slope)
+            side_slopes = geometry.side_slopes(self._path.y_m, self._path.slope)
             time_s = self._time_left(config, geometry, self._path.y_m, speed_mps)
             minimum_m = self._goal(config, self._path, geometry, minimum_m, speed_mps)
-        self._path.advance(between, minimum_m, time_s, speed_mps, speed_mps * self._dt_s, flanks)
+        self._path.advance(between, minimum_m, time_s, speed_mps, speed_mps * self._dt_s, side_slopes)
         self._path.hold(rear)
         self.y_m = self._path.y_m
-        heading, rate = self._heading(lane, flanks, self._path, yaw_rad, speed_mps)
+        heading, rate = self._heading(lane, side_slopes, self._path, yaw_rad, speed_mps)
         return Reference(heading, wanted, rate)
 
     def _time_left(self, config: PathConfig, geometry: ObstacleGeometry, y_m: float, speed_mps: float) -> float:
@@ -118,18 +118,18 @@ class LaneReference:
         stop, and goes back to its own lane all the same.
         """
         way, limits, braking = geometry.way_m, self._speed_limits, self._config.braking
-        shut = geometry.shut_rows(minimum_m) if limits is None else limits.shut(geometry, minimum_m)
-        if not shut.any():
+        blocked = geometry.blocked_rows(minimum_m) if limits is None else limits.blocked(geometry, minimum_m)
+        if not blocked.any():
             return minimum_m
         _, shift = self._kinematics.limits(np.array([speed_mps])).rest(path.slope, path.bend_per_m)
         rest_m = path.y_m + float(shift[0])
         hit = geometry.stands & (way > 0.0) & (geometry.overlap(rest_m, self._clearance.least_m) > 0.0)
         if abs(minimum_m) < abs(rest_m) or not hit.any():
             return minimum_m
-        first_m, shut_m = float(way[hit].min()), float(way[shut].min())
+        first_m, blocked_m = float(way[hit].min()), float(way[blocked].min())
         stops = float(stopping_way(speed_mps, braking.comfort_mps2)) + braking.closest_standoff_m < first_m
-        in_row = shut_m < first_m + self._config.obstacles.row_depth_m
-        return rest_m if stops and in_row and min(first_m, shut_m) < hold_m else minimum_m
+        in_row = blocked_m < first_m + self._config.obstacles.row_depth_m
+        return rest_m if stops and in_row and min(first_m, blocked_m) < hold_m else minimum_m
 
     def _straight(self, lane: Lane, minimum_m: float, yaw_rad: float, speed_mps: float) -> float:
         """psi_d rad towards the minimum, without a path."""
@@ -145,11 +145,11 @@ class LaneReference:
         return min(max(pull, -most), most) / max(speed_mps, 1.0)
 
     def _heading(
-        self, lane: Lane, flanks: tuple[float, float], path: LateralPath, yaw_rad: float, speed_mps: float
+        self, lane: Lane, side_slopes: tuple[float, float], path: LateralPath, yaw_rad: float, speed_mps: float
     ) -> tuple[float, float]:
         """psi_d rad and its rate rad/s."""
         left, right = self._kinematics.between(lane, speed_mps)
-        left, right = max(left, -flanks[1]), max(right, -flanks[0])
+        left, right = max(left, -side_slopes[1]), max(right, -side_slopes[0])
         pull = self._pull(path.y_m - rear_m(lane, self._vehicle), speed_mps)
         ratio = min(max(pull, -left - path.slope), right - path.slope)
         course = yaw_rad + lane.heading_rad + asin(min(max(ratio, -1.0), 1.0))

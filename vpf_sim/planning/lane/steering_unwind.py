@@ -20,15 +20,15 @@ def rest(slope: float, bend_per_m: float, steering_per_m2: Floats, tightest_per_
 
     `steering_per_m2`, `tightest_per_m` (N,): j and k of each speed.
     """
-    unwound = abs(bend_per_m) / steering_per_m2
-    side = np.where(slope + 0.5 * bend_per_m * unwound < 0.0, -1.0, 1.0)
-    largest = side * slope + 0.5 * abs(bend_per_m) * unwound
+    straightened = abs(bend_per_m) / steering_per_m2
+    side = np.where(slope + 0.5 * bend_per_m * straightened < 0.0, -1.0, 1.0)
+    largest = side * slope + 0.5 * abs(bend_per_m) * straightened
     sharpest = np.sqrt(largest * steering_per_m2)
     gentle, sharp = 2.0 * sharpest / steering_per_m2, largest / tightest_per_m + tightest_per_m / steering_per_m2
     way = np.where(sharpest > tightest_per_m, sharp, gentle)
     # The largest slope is still ahead of a path that turns aside, and lies behind one that turns back already.
-    until = side * slope * unwound + abs(bend_per_m) * unwound**2 / 3.0
-    since = largest * unwound - steering_per_m2 * unwound**3 / 6.0
+    until = side * slope * straightened + abs(bend_per_m) * straightened**2 / 3.0
+    since = largest * straightened - steering_per_m2 * straightened**3 / 6.0
     turns_on = side * bend_per_m > 0.0
     shift = side * (0.5 * largest * way + np.where(turns_on, until, -since))
-    return way + np.where(turns_on, unwound, -unwound), shift
+    return way + np.where(turns_on, straightened, -straightened), shift

@@ -52,13 +52,13 @@ class SpeedLimits:
         wanted = self._speed(lane, geometry, minimum_m, speed_mps)
         if path is not None and len(geometry):
             settled = inf if config.rest_m is None else self._settled(config.rest_m, geometry, minimum_m, path)
-            unwound = inf if config.unwind is None else self._unwound(geometry, lane, path)
-            wanted = min(wanted, max(min(settled, unwound), self._comfortable(speed_mps)))
+            straightened = inf if config.unwind is None else self._straightened(geometry, lane, path)
+            wanted = min(wanted, max(min(settled, straightened), self._comfortable(speed_mps)))
         rise = self._braking.rise_mps2 * self._dt_s
         self._wanted_mps = min(wanted, max(self._wanted_mps, speed_mps) + rise)
         return self._wanted_mps
 
-    def shut(self, geometry: ObstacleGeometry, minimum_m: float) -> Bools:
+    def blocked(self, geometry: ObstacleGeometry, minimum_m: float) -> Bools:
         """(K,) before which obstacles the car stops, since at the minimum there is no way past them.
 
         Until it creeps, it stops before the first of a row that any of it closes.
@@ -66,7 +66,7 @@ class SpeedLimits:
         if self._config.row_stop is None or (self._creep is not None and self._creep.is_allowed):
             closed = geometry.overlap(minimum_m, self._clearance.least_m) > 0.0
             return closed & geometry.stands & (geometry.way_m > 0.0)
-        return geometry.shut_rows(minimum_m)
+        return geometry.blocked_rows(minimum_m)
 
     def _comfortable(self, speed_mps: float) -> float:
         """m/s, the least that is asked of a car at that speed; -inf where its comfort does not count."""
@@ -111,11 +111,11 @@ class SpeedLimits:
         there = np.maximum(stop, passed_mps)
         if turned_m is not None:
             there = np.minimum(self._before(turned_m, lane, geometry, minimum_m, gap_m), there)
-        closed, shut = gap_m < self._clearance.least_m, self.shut(geometry, minimum_m)
-        limits = np.where(closed | shut, stop, there)
+        closed, blocked = gap_m < self._clearance.least_m, self.blocked(geometry, minimum_m)
+        limits = np.where(closed | blocked, stop, there)
         if self._config.firm_mps2 is None:
             return limits
-        return self._braked(self._config.firm_mps2, limits, geometry, speed_mps, closed, shut)
+        return self._braked(self._config.firm_mps2, limits, geometry, speed_mps, closed, blocked)
 
     def _stop(self, lane: Lane, geometry: ObstacleGeometry) -> Floats:
         """(K,) m/s from which the car stops before each obstacle, or falls in behind a moving one."""
@@ -143,12 +143,12 @@ class SpeedLimits:
         geometry: ObstacleGeometry,
         speed_mps: float,
         closed: Bools,
-        shut: Bools,
+        blocked: Bools,
     ) -> Floats:
         """(K,) m/s, the limits before each obstacle as far as comfort allows.
 
         The car brakes beyond comfort where it would else hit an obstacle that closes the way, or, before a row that is
-        shut, where that leaves the way for a turn.
+        blocked, where that leaves room for a turn.
         """
         closing, way, ease = (
             speed_mps - geometry.obstacles.speed_mps,
@@ -158,8 +158,8 @@ class SpeedLimits:
         decelerations = firm_mps2, self._setup.vehicle.full_brake_mps2
         turns = braked(speed_mps, closing, way - self._config.turn_m, *decelerations)
         stops = braked(speed_mps, closing, way - self._config.near_m, *decelerations)
-        least = np.where(shut & ~closed, ease, stops)
-        return np.where(shut & (turns > -inf) & (turns < ease), turns, np.maximum(limits_mps, least))
+        least = np.where(blocked & ~closed, ease, stops)
+        return np.where(blocked & (turns > -inf) & (turns < ease), turns, np.maximum(limits_mps, least))
 
     def _looking(self, config: LookConfig, lane: Lane, geometry: ObstacleGeometry, minimum_m: float) -> float:
         """m/s before a row with a gap that one more obstacle would close: a stop leaves the way for a turn."""
@@ -215,7 +215,7 @@ class SpeedLimits:
         settled = float(np.interp(0.0, np.maximum.accumulate(worst), SPEEDS_MPS))
         return max(settled, self._walking_mps)
 
-    def _unwound(self, geometry: ObstacleGeometry, lane: Lane, path: LateralPath) -> float:
+    def _straightened(self, geometry: ObstacleGeometry, lane: Lane, path: LateralPath) -> float:
         """m/s at which the wheels are straight before the path is too steep towards what is beside it.
 
         The slope is largest there, p + b^2 / (2 j), and j falls with the speed (`steering_unwind`).
@@ -225,8 +225,8 @@ class SpeedLimits:
         side = 1.0 if path.bend_per_m > 0.0 else -1.0
         largest = self._kinematics.path_between(geometry.between(lane, path.y_m), path.y_m)[side > 0.0]
         peak = side * path.slope + 0.5 * path.bend_per_m**2 / self._kinematics.at_speeds.steering_per_m2
-        unwound = float(np.interp(largest + STRAIGHT, peak, SPEEDS_MPS, right=inf))
-        return max(unwound, self._walking_mps)
+        straightened = float(np.interp(largest + STRAIGHT, peak, SPEEDS_MPS, right=inf))
+        return max(straightened, self._walking_mps)
 
 
 def braked(speed_mps: float, closing_mps: Floats, way_m: Floats, firm_mps2: float, full_mps2: float) -> Floats:

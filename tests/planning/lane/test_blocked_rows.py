@@ -1,4 +1,4 @@
-"""Rows whose gap is shut by what stands behind the first of them: it is detected late, and then no way leads back."""
+"""Rows whose gap is blocked by what is behind the first of them: it is detected late, and then no path leads back."""
 
 from math import sqrt
 
@@ -16,7 +16,7 @@ from vpf_sim.types import Bools
 
 ROW_S_M = 60.0
 TRUCK_M, LOW_M = 2.5, 1.2  # a truck's width, a pallet's length
-# Rows about one place of the road, in which the seen gap is shut; the free side is that beyond the truck.
+# Rows about one place of the road, in which the seen gap is blocked; the free side is that beyond the truck.
 PALLET_AND_CONE = (
     Body(ROW_S_M, -2.45, 8.5, TRUCK_M),
     Body(ROW_S_M, 0.75, LOW_M, 0.8, told_m=10.0),
@@ -47,31 +47,31 @@ def row(*bodies: tuple[float, float, float]) -> LaneObstacles:
     return LaneObstacles(way + BUMPER_M, left, right)
 
 
-def shut(bodies: LaneObstacles) -> Bools:
+def blocked(bodies: LaneObstacles) -> Bools:
     """(K,) which stand in a row that leaves no way through where the car is."""
-    return geometry(bodies).shut_rows(0.0)
+    return geometry(bodies).blocked_rows(0.0)
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-@pytest.mark.parametrize(("gap_m", "behind_m", "is_shut"), [(0.1, 3.6, True), (0.2, 3.6, True), (0.3, 3.6, False)])
+@pytest.mark.parametrize(("gap_m", "behind_m", "is_blocked"), [(0.1, 3.6, True), (0.2, 3.6, True), (0.3, 3.6, False)])
 def test_what_stands_behind_the_first_must_leave_more(
-    side: float, gap_m: float, behind_m: float, is_shut: bool
+    side: float, gap_m: float, behind_m: float, is_blocked: bool
 ) -> None:
     """A truck 1 m beside the car, an obstacle behind its face on the other side; alone, 0.2 m would be enough."""
     truck = (5.0, *sorted((side * (HALF_M + 1.0), side * (HALF_M + 3.5))))
     behind = (5.0 + behind_m, *sorted((-side * (HALF_M + gap_m), -side * (HALF_M + gap_m + 0.8))))
-    assert shut(row(truck, behind)).all() == is_shut
-    assert shut(row(behind)).any() == (gap_m < 0.12)
+    assert blocked(row(truck, behind)).all() == is_blocked
+    assert blocked(row(behind)).any() == (gap_m < 0.12)
     nearer = (behind_m - 2.0, *behind[1:])
-    assert not shut(row(truck, nearer)).any() or gap_m < 0.12, "the first of the row"
+    assert not blocked(row(truck, nearer)).any() or gap_m < 0.12, "the first of the row"
 
 
 def test_an_obstacle_of_another_row_or_beside_the_car_shuts_none() -> None:
     in_way = (-0.5, 0.5)
     truck = (5.0, HALF_M + 1.0, HALF_M + 3.5)
     far = row(truck, (5.0 + ROBUST.obstacles.long_m + 2.0, *in_way))
-    assert shut(far).tolist() == [False, True]
-    assert shut(row((-1.0, *truck[1:]), (3.0, *in_way))).tolist() == [False, True]
+    assert blocked(far).tolist() == [False, True]
+    assert blocked(row((-1.0, *truck[1:]), (3.0, *in_way))).tolist() == [False, True]
 
 
 def test_the_car_stops_before_the_first_of_a_row_that_is_shut() -> None:
