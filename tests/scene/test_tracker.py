@@ -169,6 +169,24 @@ def test_a_lead_car_that_drives_on_moves_but_a_wrong_distance_does_not(
     assert bool(tracker.table.state[0, 2] > 0.6 * along_mps) is moves
 
 
+def test_what_stands_is_never_so_sure_that_new_evidence_does_not_count() -> None:
+    """It was reported for 2 s; then four looks speak against it."""
+    random, tracker = np.random.Generator(np.random.PCG64(1)), SceneTracker(CONFIG)
+    for gain in [4.0] * 40 + [-0.9] * 4:
+        seen = detected([Motion(12.0).at(0.0)], random)
+        seen.state[:, 2:] = 0.0
+        seen.gain[:] = gain
+        tracker.update(seen, 1.0, np.full(len(tracker.table), 1.0 / RATE_HZ), 0.0)
+        if gain > 0.0:
+            assert len(tracker.reported)
+    assert not len(tracker.reported)
+
+
+def test_traffic_is_what_drives_along_the_road_in_our_direction() -> None:
+    driving = track(Motion(10.0, along_mps=6.0), Motion(20.0, 4.0, across_mps=-1.5), Motion(60.0, -3.5, along_mps=-8.0))
+    np.testing.assert_allclose(driving.traffic_mps, [6.0], atol=0.6)
+
+
 def test_repeated_observations_count_by_the_way_that_makes_them_new() -> None:
     """A car that stands looks at the same picture again and again."""
     random, tracker = np.random.Generator(np.random.PCG64(1)), SceneTracker(CONFIG)

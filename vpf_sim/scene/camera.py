@@ -80,7 +80,7 @@ class CameraScene:
         self._tracker.update(found, fresh, dt_s * self._visible(observation), s)
         if evidence.motions is not None:
             self._follow(evidence.motions, observation)
-        self._unseen.update(observation.time_s, observation.speed_mps, self._tracker.along_mps)
+        self._unseen.update(observation.time_s, observation.speed_mps, self._tracker.traffic_mps)
 
     def _detections(self, obstacles: Obstacles, observation: Observation, evidence: Evidence, s_m: float) -> Detections:
         """All that was found in the last frame."""

@@ -12,6 +12,7 @@ class TrackerConfig:
     standing_share: float = setting("Share of them for tracks that stand.", gt=0.0, le=1.0)
     unseen_s: float = setting("Time after which a track without detections is pruned.", gt=0.0)
     most: float = setting("Largest existence.", gt=0.0)
+    most_standing: float = setting("Largest existence of what stands, so that evidence against it soon counts.", gt=0.0)
 
 
 @settings

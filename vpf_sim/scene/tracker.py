@@ -24,6 +24,7 @@ SPAWN, REPORT, PRUNE = -1.0, 0.0, -3.0  # log-odds
 BEHIND_M, AHEAD_M = 40.0, 120.0  # tracks that are farther away are pruned
 LEAST_MPS, SURE_SIGMAS, SURE_FRAMES = np.array([1.0, 0.5]), 3.0, 3.0  # of points by which a standing track moves away
 DISTANCE_SHARE = 0.5  # of the own speed, along
+DRIVES_MPS, ALONG_SHARE, VEHICLE_M = 1.5, 0.3, 1.2  # of traffic: speed, share of it across, width
 LEFT_M, MOVED_LOSS_PER_S = 3.0, 2.0  # what stands so near to where it is now is what it was
 VAGUE_M = 5.0  # or whose place is known no better
 
@@ -123,9 +124,12 @@ class SceneTracker:
         return np.flatnonzero(self.table.gain > REPORT)
 
     @property
-    def along_mps(self) -> Floats:
-        """Speeds along the road of the reported tracks."""
-        return np.asarray(self.table.state[self.reported, 2])
+    def traffic_mps(self) -> Floats:
+        """Speeds of the reported tracks that drive along the road in our direction and are as wide as a vehicle."""
+        table = self.table
+        along, across = table.state[:, 2], np.abs(table.state[:, 3])
+        drives = (along > DRIVES_MPS) & (across < ALONG_SHARE * along) & (table.width_m > VEHICLE_M)
+        return np.asarray(along[drives & (table.gain > REPORT)])
 
     def _associate(self, found: Detections) -> tuple[Integers, Integers]:
         """Rows of tracks and of detections that belong together: least sum of distances within the gate."""
@@ -153,7 +157,9 @@ class SceneTracker:
         table.covariance[rows] = (np.eye(4) - gain) @ before
         for name in ("length_m", "width_m", "loss_per_s"):
             getattr(table, name)[rows] = getattr(found, name)
-        table.gain[rows] = np.minimum(table.gain[rows] + fresh * found.gain, self._config.most)
+        stands = np.all(found.state[:, 2:] == 0.0, axis=1)
+        most = np.where(stands, self._config.most_standing, self._config.most)
+        table.gain[rows] = np.minimum(table.gain[rows] + fresh * found.gain, most)
         table.unseen_s[rows] = 0.0
 
     def see_motion(self, row: int, velocity_mps: Floats, sigma_mps: Floats, own_mps: float) -> None:
