@@ -87,7 +87,7 @@ def tightest(way_m: float) -> float:
 
 @pytest.mark.parametrize("way_m", [3.0, 4.0, 6.0])
 def test_what_is_in_reach_is_in_reach(way_m: float) -> None:
-    reach = float(LIMITS.aside(np.array([way_m]))[0])
+    reach = float(LIMITS.largest_shift(np.array([way_m]))[0])
     assert 0.6 * tightest(way_m) < reach < tightest(way_m)
 
 

@@ -90,7 +90,7 @@ def test_the_car_stops_and_looks_where_it_can_still_get_aside_before_it_walks_up
     """An obstacle 1.6 m wide with a side 1.87 m aside, and a wider one."""
     side = 0.8 + HALF_M + CLEARANCE.least_m
     least = float(LIMITS.least_way(np.array([side]))[0])
-    assert LIMITS.aside(np.array([least]))[0] == pytest.approx(side)
+    assert LIMITS.largest_shift(np.array([least]))[0] == pytest.approx(side)
     for half_width_m, first in ((0.8, min(least, FAR_STANDOFF_M)), (3.0, FAR_STANDOFF_M)):
         left = walk(half_width_m, 12.0, 60.0)
         stops = np.array([first, BRAKING.standoff_m, BRAKING.closest_standoff_m])

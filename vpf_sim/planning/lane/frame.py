@@ -99,8 +99,8 @@ def _parts(along_m: Floats, left_m: Floats, right_m: Floats, obstacles: Obstacle
     """
     if len(along_m) < 2:
         return np.zeros((len(along_m), len(along_m)), np.bool_)
-    behind, stands = along_m[:, None] - along_m[None], obstacles.speed_mps == 0.0
-    near: Bools = (behind > parts.least_behind_m) & (behind < parts.most_behind_m) & stands & stands[:, None]
+    behind, static = along_m[:, None] - along_m[None], obstacles.speed_mps == 0.0
+    near: Bools = (behind > parts.least_behind_m) & (behind < parts.most_behind_m) & static & static[:, None]
     if not near.any():
         return near
     shared = np.minimum(right_m[:, None], right_m[None]) - np.maximum(left_m[:, None], left_m[None])

@@ -128,12 +128,12 @@ class KinematicLimits:
         """All limits at a speed."""
         return Limits(self.ratio(speed_mps), self.tightest(speed_mps), self.steering(speed_mps))
 
-    def aside(self, way_m: Floats) -> Floats:
+    def largest_shift(self, way_m: Floats) -> Floats:
         """m, the largest shift on each way at walking speed, from the road's direction and back to it."""
         way = np.maximum(way_m, 0.0)
         turning = way**2 / (PEAK_ACCELERATION * self.radius_m)
-        aside: Floats = np.minimum(turning, way * self._config.walking_ratio / MEAN_SLOPE)
-        return aside
+        largest: Floats = np.minimum(turning, way * self._config.walking_ratio / MEAN_SLOPE)
+        return largest
 
     def least_way(self, shift_m: Floats) -> Floats:
         """m, the way on which each shift is just possible: the inverse of `aside`."""
@@ -144,7 +144,7 @@ class KinematicLimits:
 
     def reaches(self, way_m: Floats, shift_m: Floats, slope: float) -> Bools:
         """(K,) whether shifts are possible at all for a car headed at a slope towards them (`heading_shift`)."""
-        reached: Bools = shift_m - self.heading_shift(way_m, slope) <= self.aside(way_m)
+        reached: Bools = shift_m - self.heading_shift(way_m, slope) <= self.largest_shift(way_m)
         return reached
 
     def heading_shift(self, way_m: Floats, slope: Floats | float) -> Floats:

@@ -199,17 +199,17 @@ class LateralCost:
 
     def _unreached(self, geometry: ObstacleGeometry, lane: Lane) -> Floats:
         """(G,) the cost of places beyond static obstacles beside the car, or too near to get past them in time."""
-        if not geometry.stands.any():
+        if not geometry.is_static.any():
             return self._nothing
         obstacles, here = geometry.obstacles, lane.y_m
         least, most = obstacles.left_m - self._half_width_m, obstacles.right_m + self._half_width_m  # overlapping
         taken = self._nothing
         if self._config.beside is not None:
-            beside_car = geometry.stands & (geometry.way_m <= 0.0)
+            beside_car = geometry.is_static & (geometry.way_m <= 0.0)
             from_m = least.min(where=beside_car & (here <= least), initial=np.inf)
             up_to_m = most.max(where=beside_car & (here >= most), initial=-np.inf)
             taken = self._config.beside.height * ((self._y_m > from_m) | (self._y_m < up_to_m))
-        ahead = geometry.stands & (geometry.way_m > 0.0)
+        ahead = geometry.is_static & (geometry.way_m > 0.0)
         if self._config.unreached_height is None or not ahead.any():
             return taken
         far_right, far_left = self._far(geometry, least, most, lane)
@@ -227,7 +227,7 @@ class LateralCost:
         way, slope = geometry.way_m, np.array([[-tan(lane.heading_rad)], [tan(lane.heading_rad)]])
         shift = np.array([most_m - lane.y_m, lane.y_m - least_m]) - self._kinematics.heading_shift(way, slope)
         slow = np.array(self._edge_way(least_m, most_m, lane)) > way
-        right, left = (shift > self._kinematics.aside(way)) | slow
+        right, left = (shift > self._kinematics.largest_shift(way)) | slow
         return right, left
 
     def _edge_way(self, least_m: Floats, most_m: Floats, lane: Lane) -> tuple[Floats, Floats]:

@@ -26,7 +26,7 @@ class ObstacleGeometry:
         self.length_m = self._lengths()  # (K,) from each face to its end, at least
         weight = self._weights()  # (K,) 0 .. 1
         self.present: Bools = weight > 0.0  # (K,) the others count for the choice of a side at most
-        self.stands: Bools = self.present & ~self.moves  # (K,)
+        self.is_static: Bools = self.present & ~self.moves  # (K,)
         ahead = ~self.moves & (self.way_m > 0.0)
         self.in_row: Bools = self._same_row() & ahead & ahead[:, None]  # (K, K) static, ahead and in one row
         # (K,) w of the lateral cost. The side is chosen for a row: all of it counts as soon as the first of it does.
@@ -68,7 +68,7 @@ class ObstacleGeometry:
         nearer = self.way_m[:, None] < self.way_m
         behind = (self.in_row & nearer).any(axis=0)
         shuts = self.overlap(y_m, 0.0) > -np.where(behind, self._clearance.full_speed_m, self._clearance.least_m)
-        return self.beside(shuts & self.stands)
+        return self.beside(shuts & self.is_static)
 
     def shift(self, y_m: float, goal_m: float, clearance_m: Floats | float) -> Floats:
         """(K,) m from y towards a goal across the road until the car is clear of each; <= 0 where it is."""
@@ -84,7 +84,7 @@ class ObstacleGeometry:
         here, aside = lane.y_m, self._half_width_m + self._clearance.least_m
         least, most = self.obstacles.left_m - aside, self.obstacles.right_m + aside  # of the places that each takes
         sides = np.concatenate([least, most])
-        taken = (least[:, None] < sides - FREE_M) & (sides + FREE_M < most[:, None]) & self.stands[:, None]
+        taken = (least[:, None] < sides - FREE_M) & (sides + FREE_M < most[:, None]) & self.is_static[:, None]
         off = (sides < lane.left_m + margin) | (sides > lane.right_m - margin) | np.any(taken, axis=0)
         free = np.where(off, np.inf, np.abs(sides - here))
         in_way = (least < here) & (here < most)
@@ -143,12 +143,12 @@ class ObstacleGeometry:
 
         inf for an obstacle that is not ahead within `beside_m` of the car's side.
         """
-        stands = self.stands & (self.way_m > 0.0)
-        row = stands & (np.abs(self.way_m - self.way_m[:, None]) < self._config.row_depth_m)
+        static = self.is_static & (self.way_m > 0.0)
+        row = static & (np.abs(self.way_m - self.way_m[:, None]) < self._config.row_depth_m)
         beyond = self.obstacles.middle_m > y_m
         right = np.where(row & beyond, self.obstacles.left_m, lane.right_m).min(axis=1, initial=lane.right_m)
         left = np.where(row & ~beyond, self.obstacles.right_m, lane.left_m).max(axis=1, initial=lane.left_m)
-        bounds = stands & (self.overlap(y_m, beside_m) > 0.0)
+        bounds = static & (self.overlap(y_m, beside_m) > 0.0)
         return np.where(bounds, right - left, np.inf)
 
     def kept_beside(self, y_m: float, minimum_m: float) -> float:

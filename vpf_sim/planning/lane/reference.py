@@ -123,7 +123,7 @@ class LaneReference:
             return minimum_m
         _, shift = self._kinematics.limits(np.array([speed_mps])).rest(path.slope, path.bend_per_m)
         rest_m = path.y_m + float(shift[0])
-        hit = geometry.stands & (way > 0.0) & (geometry.overlap(rest_m, self._clearance.least_m) > 0.0)
+        hit = geometry.is_static & (way > 0.0) & (geometry.overlap(rest_m, self._clearance.least_m) > 0.0)
         if abs(minimum_m) < abs(rest_m) or not hit.any():
             return minimum_m
         first_m, blocked_m = float(way[hit].min()), float(way[blocked].min())

@@ -65,7 +65,7 @@ class SpeedLimits:
         """
         if self._config.row_stop is None or (self._creep is not None and self._creep.is_allowed):
             closed = geometry.overlap(minimum_m, self._clearance.least_m) > 0.0
-            return closed & geometry.stands & (geometry.way_m > 0.0)
+            return closed & geometry.is_static & (geometry.way_m > 0.0)
         return geometry.blocked_rows(minimum_m)
 
     def _comfortable(self, speed_mps: float) -> float:
@@ -83,7 +83,7 @@ class SpeedLimits:
         way, nearest = geometry.way_m, inf if self._creep is None else self._creep.nearest(speed_mps)
         gap = -geometry.overlap(minimum_m, 0.0)
         passed = geometry.obstacles.speed_mps + self._beside(gap)
-        limit = float(np.maximum(passed, ease).min(where=geometry.stands & (way <= 0.0), initial=limit))
+        limit = float(np.maximum(passed, ease).min(where=geometry.is_static & (way <= 0.0), initial=limit))
         counts = (geometry.present | geometry.moves) & (way > 0.0)
         if not counts.any():
             return limit
@@ -202,7 +202,7 @@ class SpeedLimits:
         """m/s at which the path comes to rest before it is too near to obstacles beyond the minimum."""
         if max(abs(path.slope), abs(path.bend_per_m) * self._kinematics.radius_m) < STRAIGHT:
             return inf
-        if not geometry.stands.any():
+        if not geometry.is_static.any():
             return max(float(SPEEDS_MPS[-1]), self._walking_mps)
         way, shift = self._kinematics.at_speeds.rest(path.slope, path.bend_per_m)
         room = -geometry.overlap(minimum_m, 0.0)
@@ -210,7 +210,7 @@ class SpeedLimits:
         side = np.sign(geometry.obstacles.middle_m - minimum_m)
         last = minimum_m + side * (room - kept + tolerance_m)  # (K,) place from which there is less than that
         beyond, towards = side[:, None] * (path.y_m + shift - last[:, None]), side[:, None] * shift > 0.0
-        reached = geometry.stands[:, None] & towards & (geometry.way_m[:, None] < way)
+        reached = geometry.is_static[:, None] & towards & (geometry.way_m[:, None] < way)
         worst = beyond.max(axis=0, where=reached, initial=-1.0)
         settled = float(np.interp(0.0, np.maximum.accumulate(worst), SPEEDS_MPS))
         return max(settled, self._walking_mps)
