@@ -132,6 +132,20 @@ def test_a_car_that_stands_finds_no_new_evidence_of_what_stands() -> None:
     assert not len(scene.scene(observed(0.0, 0.0, 0.0, 10.0), 5.0).tracks)
 
 
+@pytest.mark.parametrize(("aside_m", "left"), [(0.0, 0), (4.0, 1)])
+def test_what_stands_where_an_actor_crosses_is_the_actor(aside_m: float, left: int) -> None:
+    """Perception keeps an obstacle 8.5 m ahead, or 4 m beside, where it saw the actor's points; then he has gone."""
+    scene, one = camera_scene(), np.ones(1)
+    face = Obstacles(8.5 * one, aside_m - 0.4 * one, aside_m + 0.4 * one, 0.2 * one, one, np.array([5]))
+    for index in range(60):
+        here, right = observed(0.0, 0.0, 0.0, index / 20.0), 1.0 - 1.5 * index / 20.0
+        actor = Crossers(
+            8.0 * one, (right - 0.3) * one, (right + 0.3) * one, -1.5 * one, 0.0 * one, 0.3 * one, 0.3 * one
+        )
+        scene.observe(seen(edges_at(0.0, 0.0, 0.0), face), here, Evidence(actor if index < 20 else None))
+    assert np.count_nonzero(scene.obstacles(here).speed_mps == 0.0) == left
+
+
 def test_who_crosses_is_a_track_that_heads_across_after_some_frames() -> None:
     scene, frames = camera_scene(), 8
     for index in range(frames):

@@ -24,7 +24,7 @@ from vpf_sim.scene.tracker import Detections, SceneTracker, TrackTable
 from vpf_sim.scene.tracks import Tracks
 from vpf_sim.scene.unseen import UnseenTraffic
 from vpf_sim.scene.vehicle_motion import seen_motion
-from vpf_sim.types import Camera, Floats, Obstacles, Perception, RoadEdges
+from vpf_sim.types import Bools, Camera, Floats, Obstacles, Perception, RoadEdges
 
 STEP_M = 0.5  # between the stations of the tables
 BEHIND_M, BENDS_M, AHEAD_M = 40.0, 40.0, 200.0  # of the tables; beyond BENDS_M the road goes straight on
@@ -32,6 +32,7 @@ MOST_BEND = 0.8  # of 1 - d * curvature that the own place may take away
 OUT_OF_SIGHT = 0.02  # of what a track loses where it should be detected
 SIGHT_M, BEARING = (3.0, 20.0), 0.8  # where a track is expected to be detected; tangent of its bearing
 STANDING_MPS, STANDING_SIGMAS = 0.4, 1.0  # a track whose velocity is not surely more stands
+ACTOR_M = np.array([2.5, 1.5])  # along and across: what stands so near to an actor that crosses is the actor
 NEWEST = 0.5  # of the mean relief
 NEARER_SIGMA = 0.15  # of the distance at which a vehicle stands, as a share of it
 FOLLOWED_M, FORGOTTEN_S = (3.0, 25.0), 1.0  # where, and how long after the last detection, points show a velocity
@@ -60,6 +61,7 @@ class CameraScene:
         self._last: Observation | None = None  # of the last frame
         self._s_m = 0.0
         self._relief: dict[int, float] = {}  # of the last frame's obstacles, by identity
+        self._actors: set[int] = set()  # identities of static obstacles that are actors who crossed
         self.road: Road | None = None
 
     def observe(self, perception: Perception, observation: Observation, evidence: Evidence = NO_EVIDENCE) -> None:
@@ -76,7 +78,7 @@ class CameraScene:
         found = self._detections(perception.obstacles, observation, evidence, s)
         by_way, by_time = way_m / self._config.look_m, dt_s / self._config.look_s
         stands = np.all(found.state[:, 2:] == 0.0, axis=1)  # a car that stands sees it from one place
-        fresh = np.minimum(np.where(stands, by_way, max(by_way, by_time)), 1.0)
+        fresh = np.minimum(np.where(stands & (found.gain > 0.0), by_way, max(by_way, by_time)), 1.0)
         self._tracker.update(found, fresh, dt_s * self._visible(observation), s)
         if evidence.motions is not None:
             self._follow(evidence.motions, observation)
@@ -91,9 +93,24 @@ class CameraScene:
             odds = support(obstacles, evidence.points, camera_m, observation.speed_mps, self._config)
         relief = self._mean_relief(obstacles, evidence.relief)
         found = of_obstacles(obstacles, odds, relief, pose, self.road, s_m, self._sizes, self._config)
+        self._leave_out_actors(found, obstacles, np.isnan(odds))
         if evidence.crossers is None or not len(evidence.crossers):
             return found
         return found.joined(of_crossers(evidence.crossers, camera_m, pose, self.road, s_m, self._config))
+
+    def _leave_out_actors(self, found: Detections, obstacles: Obstacles, unjudged: Bools) -> None:
+        """Take what is found standing where an actor crosses for the actor, whose points it keeps when he has gone.
+
+        `unjudged` (K,) obstacles have no points now by which they are judged.
+        """
+        crossing = self._tracker.crossing_m
+        near = np.abs(found.state[:, None, :2] - crossing) < ACTOR_M
+        stands = obstacles.speed_mps == 0.0
+        here = stands & np.any(np.all(near, axis=2), axis=1)
+        self._actors |= set(obstacles.identity[here].tolist())
+        known = np.array([identity in self._actors for identity in obstacles.identity.tolist()], np.bool_)
+        found.gain[known & unjudged] = 0.0
+        found.gain[here] = -self._config.confirmed
 
     def scene(self, observation: Observation, speed_reference_mps: float) -> Scene:
         """The scene at an observation, on the road as last perceived."""

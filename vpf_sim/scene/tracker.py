@@ -24,6 +24,7 @@ SPAWN, REPORT, PRUNE = -1.0, 0.0, -3.0  # log-odds
 BEHIND_M, AHEAD_M = 40.0, 120.0  # tracks that are farther away are pruned
 LEAST_MPS, SURE_SIGMAS, SURE_FRAMES = np.array([1.0, 0.5]), 3.0, 3.0  # of points by which a standing track moves away
 DISTANCE_SHARE = 0.5  # of the own speed, along
+CROSSES_MPS = 0.6  # across, and more than along
 DRIVES_MPS, ALONG_SHARE, VEHICLE_M = 1.5, 0.3, 1.2  # of traffic: speed, share of it across, width
 LEFT_M, MOVED_LOSS_PER_S = 3.0, 2.0  # what stands so near to where it is now is what it was
 VAGUE_M = 5.0  # or whose place is known no better
@@ -130,6 +131,14 @@ class SceneTracker:
         along, across = table.state[:, 2], np.abs(table.state[:, 3])
         drives = (along > DRIVES_MPS) & (across < ALONG_SHARE * along) & (table.width_m > VEHICLE_M)
         return np.asarray(along[drives & (table.gain > REPORT)])
+
+    @property
+    def crossing_m(self) -> Floats:
+        """(N, 2) s and d of the reported tracks that cross the road."""
+        table = self.table
+        across = np.abs(table.state[:, 3])
+        crosses = (across > CROSSES_MPS) & (across > np.abs(table.state[:, 2])) & (table.gain > REPORT)
+        return np.asarray(table.state[crosses, :2])
 
     def _associate(self, found: Detections) -> tuple[Integers, Integers]:
         """Rows of tracks and of detections that belong together: least sum of distances within the gate."""
