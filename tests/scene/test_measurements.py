@@ -31,7 +31,7 @@ def points(forward_m: Floats, height_m: float) -> Any:
 
 def test_points_above_the_road_speak_for_an_obstacle_and_paint_against_it() -> None:
     there = np.full(4, 6.2)
-    assert support(obstacle(6.0), points(there, 0.3), CAMERA_M, SPEED_MPS, CONFIG)[0] > 1.0
+    assert support(obstacle(6.0), points(there, 0.3), CAMERA_M, SPEED_MPS, CONFIG)[0] == CONFIG.points_most
     assert support(obstacle(6.0), points(there, 0.0), CAMERA_M, SPEED_MPS, CONFIG)[0] < -0.5
     assert support(obstacle(6.0), points(there + 4.0, 0.3), CAMERA_M, SPEED_MPS, CONFIG)[0] < -0.5
 

@@ -187,6 +187,17 @@ def test_traffic_is_what_drives_along_the_road_in_our_direction() -> None:
     np.testing.assert_allclose(driving.traffic_mps, [6.0], atol=0.6)
 
 
+def test_what_appears_near_is_believed_after_some_way_only() -> None:
+    """Looks in half a metre of way each, of which each adds 0.6 at most."""
+    random, tracker, looks = np.random.Generator(np.random.PCG64(1)), SceneTracker(CONFIG), 0
+    while not len(tracker.reported):
+        seen = detected([Motion(6.0).at(0.0)], random)
+        seen.state[:, 2:], seen.gain[:] = 0.0, 0.6
+        tracker.update(seen, 1.0, np.full(len(tracker.table), 1.0 / RATE_HZ), 0.0)
+        looks += 1
+    assert 3 <= looks <= 6
+
+
 def test_repeated_observations_count_by_the_way_that_makes_them_new() -> None:
     """A car that stands looks at the same picture again and again."""
     random, tracker = np.random.Generator(np.random.PCG64(1)), SceneTracker(CONFIG)

@@ -73,7 +73,7 @@ def support(
     expected, mistaken = config.obstacle_points, config.paint_points
     odds = config.points_share * (count * np.log(expected / mistaken) - (expected - mistaken))
     visible = (obstacles.forward_m > SUPPORT_M[0]) & (obstacles.forward_m < SUPPORT_M[1]) & (own_mps > STANDING_MPS)
-    return np.where(visible, np.minimum(odds, config.confirmed), np.nan)
+    return np.where(visible, np.minimum(odds, config.points_most), np.nan)
 
 
 def of_crossers(

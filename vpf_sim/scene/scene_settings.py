@@ -13,6 +13,7 @@ class TrackerConfig:
     unseen_s: float = setting("Time after which a track without detections is pruned.", gt=0.0)
     most: float = setting("Largest existence.", gt=0.0)
     most_standing: float = setting("Largest existence of what stands, so that evidence against it soon counts.", gt=0.0)
+    unsure: float = setting("First existence of what stands and is not confirmed.", lt=0.0)
 
 
 @settings
@@ -31,6 +32,7 @@ class ExistenceConfig:
     obstacle_points: float = setting("Points above the road that a frame shows of an obstacle.", gt=0.0)
     paint_points: float = setting("Points above the road that a frame shows of paint, by mistake.", gt=0.0)
     points_share: float = setting("Share of their log-likelihood that counts, since points stay.", gt=0.0, le=1.0)
+    points_most: float = setting("Largest existence that the points of a frame add.", gt=0.0)
     flat: float = setting("Relief below which an obstacle lies in the plane of the road.", lt=0.0)
     per_relief: float = setting("Existence for each unit of that relief.", ge=0.0)
 

@@ -20,7 +20,7 @@ from vpf_sim.types import Bools, Floats, Integers
 STANDS_MPS = 0.3
 GATE = float(chi2.ppf(0.999, 2))  # of the squared Mahalanobis distance in place
 VELOCITY_SLACK_MPS = 1.5  # added to the velocities' standard deviations: a track may begin to move or stop
-SPAWN, REPORT, PRUNE = -1.0, 0.0, -3.0  # log-odds
+SPAWN, REPORT, PRUNE, SURE = -1.0, 0.0, -3.0, 2.0  # log-odds; SURE is less than a confirmed obstacle adds
 BEHIND_M, AHEAD_M = 40.0, 120.0  # tracks that are farther away are pruned
 LEAST_MPS, SURE_SIGMAS, SURE_FRAMES = np.array([1.0, 0.5]), 3.0, 3.0  # of points by which a standing track moves away
 DISTANCE_SHARE = 0.5  # of the own speed, along
@@ -214,8 +214,10 @@ class SceneTracker:
         count, table = len(found), self.table
         identity = np.arange(self._next, self._next + count)
         self._next += count
-        new = _begun(found, identity)
-        self.table = table.joined(new)
+        begun = _begun(found, identity)
+        stands = np.all(found.state[:, 2:] == 0.0, axis=1)
+        begun.gain[stands & (found.gain < SURE)] = self._config.unsure
+        self.table = table.joined(begun)
 
     def _prune(self, ego_s_m: float) -> None:
         table = self.table
