@@ -143,6 +143,8 @@ def test_what_stands_where_an_actor_crosses_is_the_actor(aside_m: float, left: i
             8.0 * one, (right - 0.3) * one, (right + 0.3) * one, -1.5 * one, 0.0 * one, 0.3 * one, 0.3 * one
         )
         scene.observe(seen(edges_at(0.0, 0.0, 0.0), face), here, Evidence(actor if index < 20 else None))
+        if index == 15:
+            assert 1.3 < scene.scene(here, 5.0).tracks.speed_mps.max() < 1.7, "and the actor stays"
     assert np.count_nonzero(scene.obstacles(here).speed_mps == 0.0) == left
 
 

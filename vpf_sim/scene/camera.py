@@ -93,15 +93,15 @@ class CameraScene:
             odds = support(obstacles, evidence.points, camera_m, observation.speed_mps, self._config)
         relief = self._mean_relief(obstacles, evidence.relief)
         found = of_obstacles(obstacles, odds, relief, pose, self.road, s_m, self._sizes, self._config)
-        self._leave_out_actors(found, obstacles, np.isnan(odds))
+        found = self._without_actors(found, obstacles, np.isnan(odds))
         if evidence.crossers is None or not len(evidence.crossers):
             return found
         return found.joined(of_crossers(evidence.crossers, camera_m, pose, self.road, s_m, self._config))
 
-    def _leave_out_actors(self, found: Detections, obstacles: Obstacles, unjudged: Bools) -> None:
-        """Take what is found standing where an actor crosses for the actor, whose points it keeps when he has gone.
+    def _without_actors(self, found: Detections, obstacles: Obstacles, unjudged: Bools) -> Detections:
+        """Leave out what is found standing where an actor crosses: it has the actor's points, and keeps its place.
 
-        `unjudged` (K,) obstacles have no points now by which they are judged.
+        When the actor has gone, it counts by its points only; `unjudged` (K,) obstacles have none now.
         """
         crossing = self._tracker.crossing_m
         near = np.abs(found.state[:, None, :2] - crossing) < ACTOR_M
@@ -110,7 +110,7 @@ class CameraScene:
         self._actors |= set(obstacles.identity[here].tolist())
         known = np.array([identity in self._actors for identity in obstacles.identity.tolist()], np.bool_)
         found.gain[known & unjudged] = 0.0
-        found.gain[here] = -self._config.confirmed
+        return found.chosen(~here)
 
     def scene(self, observation: Observation, speed_reference_mps: float) -> Scene:
         """The scene at an observation, on the road as last perceived."""
