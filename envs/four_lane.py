@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any, get_args
 
 import gymnasium
@@ -74,8 +75,8 @@ class FourLane(gymnasium.Env[EnvObservation, Any]):
 
     def __init__(
         self,
-        scenario: str | AnyScenario = "town04",
-        weather: "str | weathers.Weather" = "clear",
+        scenario: str | Path | AnyScenario = "town04",
+        weather: "str | Path | weathers.Weather" = "clear",
         render_mode: str | None = None,
         truth: Sequence[str] = (),
         rate_hz: float = 60.0,

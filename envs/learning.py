@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from math import isfinite
 from numbers import Integral, Real
+from pathlib import Path
 from typing import Any, TypeGuard
 
 import cv2
@@ -64,8 +65,8 @@ class FourLanePixels(gymnasium.Env[PixelObservation, Any]):
 
     def __init__(
         self,
-        scenario: str | AnyScenario | Sequence[str | AnyScenario] = "curve-left",
-        weather: str | Weather | Sequence[str | Weather] = "clear",
+        scenario: str | Path | AnyScenario | Sequence[str | Path | AnyScenario] = "curve-left",
+        weather: str | Path | Weather | Sequence[str | Path | Weather] = "clear",
         image_size: tuple[int, int] = (84, 84),
         fov_deg: float = 90.0,
         grey: bool = True,

@@ -1,5 +1,6 @@
 """The first-person camera for any highway-env environment."""
 
+from pathlib import Path
 from typing import Any, Protocol, cast
 
 import gymnasium as gym
@@ -40,7 +41,7 @@ class CameraObservation(gym.Wrapper, RecordConstructorArgs):
     >>> observation, info = env.reset(seed=1)  # doctest: +SKIP
     """
 
-    def __init__(self, env: gym.Env[Any, Any], weather: str | Weather = "clear", rig: Rig | None = None) -> None:
+    def __init__(self, env: gym.Env[Any, Any], weather: str | Path | Weather = "clear", rig: Rig | None = None) -> None:
         RecordConstructorArgs.__init__(self, weather=weather, rig=rig)
         gym.Wrapper.__init__(self, env)
         world = env.unwrapped

@@ -26,7 +26,7 @@ ego = {lane = 1, s_m = 10.0}
 goal = {s_m = 70.0}
 vary = {"ego.lateral_m" = [-0.5, 0.5]}
 """)
-env = gymnasium.make("vpf_sim/FourLane-v0", scenario=str(bend), rate_hz=20.0, rig=vpf_sim.Rig(vpf_sim.Camera(64, 48)))
+env = gymnasium.make("vpf_sim/FourLane-v0", scenario=bend, rate_hz=20.0, rig=vpf_sim.Rig(vpf_sim.Camera(64, 48)))
 
 
 # %% A policy: the steering is linear in the share of grass right of the middle, just below the horizon

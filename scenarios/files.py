@@ -29,12 +29,13 @@ def summary(name: str) -> str:
     return " ".join(line.removeprefix("# ") for line in takewhile(lambda line: line.startswith("#"), lines))
 
 
-def load(name_or_path: str | AnyScenario) -> AnyScenario:
+def load(name_or_path: str | Path | AnyScenario) -> AnyScenario:
     """The scenario of a catalog name or a TOML file; a loaded scenario is returned as it is. Raises InputError."""
     if isinstance(name_or_path, AnyScenario):
         return name_or_path
-    if not isinstance(name_or_path, str):
+    if not isinstance(name_or_path, str | Path):
         raise InputError(f"scenario: expected a name, a TOML file or a Scenario, got {name_or_path!r}")
+    name_or_path = str(name_or_path)
     if name_or_path in names():
         text = (files(CATALOG) / f"{name_or_path}.toml").read_text("utf-8")
         return parse(text, f"{name_or_path}.toml")

@@ -140,12 +140,13 @@ def names() -> list[str]:
     return sorted([*PRESETS, *ALIASES])
 
 
-def load(name_or_path: str | Weather) -> Weather:
+def load(name_or_path: str | Path | Weather) -> Weather:
     """The weather of a preset, an alias or a TOML file (`base` and factors); a Weather is returned as it is."""
     if isinstance(name_or_path, Weather):
         return name_or_path
-    if not isinstance(name_or_path, str):
+    if not isinstance(name_or_path, str | Path):
         raise InputError(f"weather: expected a name, a TOML file or a Weather, got {name_or_path!r}")
+    name_or_path = str(name_or_path)
     name, path = ALIASES.get(name_or_path, name_or_path), Path(name_or_path)
     if name in PRESETS:
         return PRESETS[name]

@@ -1,10 +1,13 @@
 """Cameras of given sizes and fields of view, and invalid rigs."""
 
 from math import atan, degrees
+from pathlib import Path
 from typing import Any
 
+import gymnasium
 import numpy as np
 import pytest
+from short_scenario import write_short
 
 import vpf_sim
 from vpf_sim.envs.camera import Rig
@@ -87,6 +90,15 @@ def test_options_of_another_type_are_one_clear_line(options: dict[str, Any], lin
     with pytest.raises(InputError) as caught:
         FourLane(**options)
     assert str(caught.value) == line
+
+
+def test_files_may_be_paths(tmp_path: Path) -> None:
+    weather = tmp_path / "drizzle.toml"
+    weather.write_text("precipitation = 15.0\n")
+    env = FourLane(write_short(tmp_path), weather, frames=False)
+    assert env.scenario.goal.s_m == FourLane(str(tmp_path / "short.toml"), frames=False).scenario.goal.s_m
+    worlds = gymnasium.make("vpf_sim/FourLanePixels-v0", scenario=[tmp_path / "short.toml"], weather=weather)
+    assert worlds.unwrapped.levels == 1  # type: ignore[attr-defined]
 
 
 def test_wrapper_rejects_an_invalid_rig_or_weather() -> None:
