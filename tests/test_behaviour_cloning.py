@@ -12,7 +12,9 @@ import pytest
 import vpf_sim
 from behaviour_cloning import scenes
 from behaviour_cloning.collect import LANE_M, Drive, Settings, collect, drive
+from behaviour_cloning.teacher import Teacher
 from vpf_sim import drivers
+from vpf_sim.driver_interface import Command, Driver
 from vpf_sim.drivers.learned.manifest import Crop, Manifest, PictureInput, StateInput
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.episode import read, setup_for
@@ -57,16 +59,32 @@ def test_scenes_follow_from_their_seeds_and_are_of_all_kinds() -> None:
         assert bool(scene.scenario.draw(seed).bodies) == scene.has_obstacles or scene.has_obstacles
 
 
-@pytest.mark.parametrize("teacher", ["pid", "expert"])
-def test_the_labels_are_what_the_teacher_does(teacher: str) -> None:
-    """In the first state, which both reach."""
-    found = drive((EMPTY_ROAD, settings(1, teacher)))
-    scene = scenes.draw(EMPTY_ROAD)
-    env, driver = FourLane(scene.scenario, scene.weather, frames=False), drivers.create(teacher)
-    observed, _ = env.reset(seed=EMPTY_ROAD)
-    driver.reset(setup_for(driver, env, EMPTY_ROAD))
-    command = driver.act(read(observed))
-    assert found.labels[0].tolist() == pytest.approx([command.throttle, command.steering])
+def side_by_side(at_the_wheel: str, seconds: float) -> tuple[Command, Command, Command]:
+    """The last commands of the teacher, of `expert`, and of the driver that has the wheel in a bend."""
+    env = FourLane("curve-left", frames=False)
+    observed, _ = env.reset(seed=3)
+    asked: list[Driver] = [Teacher("expert"), drivers.create("expert"), drivers.create(at_the_wheel)]
+    for driver in asked:
+        driver.reset(setup_for(driver, env, 3))
+    for _ in range(round(seconds * env.rate_hz)):
+        observation = read(observed)
+        label, expert, command = (drivers.command_of(driver, observation) for driver in asked)
+        observed, *_ = env.step(np.array([command.throttle, command.steering]))
+    return label, expert, command
+
+
+def test_a_teacher_that_has_the_wheel_labels_what_it_does() -> None:
+    label, expert, _ = side_by_side("expert", 9.0)
+    assert abs(expert.steering) > 0.01, "it steers"
+    assert label.steering == pytest.approx(expert.steering, abs=0.003)
+    assert label.throttle == expert.throttle
+
+
+def test_a_teacher_labels_what_to_do_now_whoever_drove_before() -> None:
+    """The controller of `expert` integrates, so its own steering runs to the stop while another keeps the lane."""
+    label, expert, command = side_by_side("pid", 3.0)
+    assert abs(expert.steering) > 0.8
+    assert label.steering == pytest.approx(command.steering, abs=0.05)
 
 
 def test_a_drive_repeats_and_has_the_manifests_sizes() -> None:

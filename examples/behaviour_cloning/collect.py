@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from behaviour_cloning import scenes
-from vpf_sim import drivers
+from behaviour_cloning.teacher import Teacher
 from vpf_sim.driver_interface import Command, Driver, Observation
 from vpf_sim.drivers.learned.driver import OnnxDriver, shrink, state_vector
 from vpf_sim.drivers.learned.manifest import Manifest
@@ -68,7 +68,7 @@ def drive(task: Task) -> Drive:
     seed, settings = task
     scene, rng = scenes.draw(seed), stream(seed, "training drive")
     learner = [] if settings.model is None else [OnnxDriver(settings.model)]
-    asked: list[Driver] = [drivers.create(settings.teacher), *learner]
+    asked: list[Driver] = [Teacher(settings.teacher), *learner]
     with closing(FourLane(scene.scenario, scene.weather)) as env:
         observed, info = env.reset(seed=seed)
         for driver in asked:
