@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-PARTS = tuple(f"vpf_sim.{part}" for part in ("perception", "planning", "controllers", "drivers", "braking"))
+PARTS = tuple(f"vpf_sim.{part}" for part in ("perception", "scene", "planning", "controllers", "drivers", "braking"))
 DRIVERS = ("vpf", "vpf-paper", "lane-lines", "pid", "stanley", "idm")
 STEPS = 120
 ONE = "--one"  # measure one driver and print JSON

@@ -32,6 +32,7 @@ s_m = 9.0
 """
 SEEDS = 6  # twice as many episodes, as there are two drivers
 DISTURBANCES = 3  # at most in a round; one per session, since two killed workers may give up an episode
+TIMEOUT_S = "600"  # of an episode, so that a busy machine gives up none
 LATER_S = 1.0  # longest delay after the awaited record
 Contents = tuple[list[str], dict[str, bytes], bytes]  # records, steps, table
 
@@ -40,7 +41,7 @@ def sweep(folder: Path, out: Path, *more: str) -> list[str]:
     """The command that starts or resumes the sweep."""
     grid = ["--scenario", str(folder / "short.toml"), "--driver", "pid", "--driver", "neutral"]
     resume = ["--resume"] if (out / "manifest.json").exists() else []
-    requested = [*grid, "--seeds", f"0:{SEEDS}", "--out", str(out), *resume, *more]
+    requested = [*grid, "--seeds", f"0:{SEEDS}", "--out", str(out), "--timeout", TIMEOUT_S, *resume, *more]
     return [sys.executable, "-m", "vpf_sim.cli", "sweep", *requested]
 
 

@@ -154,7 +154,7 @@ def page(found: Sequence[Entry], plan: Plan) -> str:
     parts += ["\n## Weather\nThe change is that on the same scenarios and seeds, in percentage points.\n"]
     parts += [*_weathers(ranked, plan.weather).markdown()]
     parts += ["\n## Cost\nLines, settings and weights as [comparison.md](comparison.md) counts them."]
-    parts += ["The time is that of the run's machine, and no part of a verification.\n"]
+    parts += ["The time is that of the run's machine, which may have been busy, and no part of a verification.\n"]
     return "\n".join([*parts, *_costs(ranked).markdown()]) + "\n" + HOW_TO_ENTER
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from subprocess import DEVNULL
 from time import perf_counter
 
-from kill_sweeps import SCENARIO, contents
+from kill_sweeps import SCENARIO, TIMEOUT_S, contents
 
 BEND = """
 schema = 1
@@ -35,7 +35,19 @@ def sweep(folder: Path, out: Path, seeds: str) -> None:
     """Drive the sweep into a new folder."""
     scenarios = [option for name in ("short", "bend") for option in ("--scenario", str(folder / f"{name}.toml"))]
     grid = [*scenarios, "--driver", "lane-lines", "--driver", "expert", "--seeds", seeds]
-    command = [sys.executable, "-m", "vpf_sim.cli", "sweep", *grid, "--workers", "2", "--out", str(out)]
+    command = [
+        sys.executable,
+        "-m",
+        "vpf_sim.cli",
+        "sweep",
+        *grid,
+        "--workers",
+        "2",
+        "--timeout",
+        TIMEOUT_S,
+        "--out",
+        str(out),
+    ]
     subprocess.run(command, check=True, stdout=DEVNULL, stderr=DEVNULL)
 
 

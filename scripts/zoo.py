@@ -22,8 +22,10 @@ from vpf_sim.drivers.learned import manifest
 from vpf_sim.drivers.learned.manifest import Training
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.analysis.statistics import mean_interval, share_interval
+from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.records import Record
 from vpf_sim.evaluation.metrics.registry import CLEARANCE, DRIVING_SCORE
+from vpf_sim.evaluation.sweeps.plan import SHIPPED, Plan, read_plan
 from vpf_sim.files import write_bytes, write_text
 from vpf_sim.reporting import overlay
 from vpf_sim.reporting.kit.clip import jpeg
@@ -56,9 +58,13 @@ class Animal:
     training: Training | None
     picture: Path  # may be missing
 
+    def jobs(self, run: StoredRun) -> list[Job]:
+        """Its planned episodes in a run."""
+        return [job for job in run.plan().jobs() if job.driver == self.name]
+
     def records(self, run: StoredRun) -> list[Record]:
         """Its records in a run."""
-        return [record for record in run.records.values() if record.driver == self.name]
+        return [run.records[job.id] for job in self.jobs(run) if job.id in run.records]
 
 
 def animals(runs: Sequence[StoredRun], pictures: Path) -> Iterator[Animal]:
@@ -117,11 +123,18 @@ def section(one: Animal, out: Path) -> Iterator[str]:
         yield from trained(one.training)
     yield f"- Drive it: `vpf-sim drive crossing --driver {one.name}`"
     for run in one.runs:
-        arrives, score = _results(one, run)
-        command = f"vpf-sim {run.manifest.command.partition(' --out')[0]}"
-        where = f"seeds {run.plan().seeds}, {len(run.plan().scenario)} scenarios in {', '.join(run.plan().weather)}"
-        results = f"arrives in {arrives.text} ({arrives.beside}), driving score {score.text} ({score.beside})"
-        yield f"- Results: {results}; {where} (`{command}`)" if command else f"- Results: {results}; {where}"
+        arrives, score = (
+            f"{value.text} ({value.beside})" if value.beside else value.text for value in _results(one, run)
+        )
+        yield f"- Results: arrives in {arrives}, driving score {score} (`{_command(one, run.plan())}`)"
+
+
+def _command(one: Animal, plan: Plan) -> str:
+    """The command that drives the run's episodes of a driver."""
+    known = next((name for name in SHIPPED if tuple(read_plan(name)["scenario"]) == plan.scenario), None)
+    grid = [known] if known else [f"--scenario {name}" for name in plan.scenario]
+    grid += [f"--weather {name}" for name in plan.weather]
+    return f"vpf-sim sweep {' '.join(grid)} --driver {one.name} --seeds {plan.seeds}"
 
 
 def trained(training: Training) -> Iterator[str]:
@@ -148,7 +161,7 @@ def curve(values: Sequence[float]) -> str:
 def _results(one: Animal, run: StoredRun) -> tuple[Value, Value]:
     """Arrivals and driving score in a run, with their intervals."""
     records = one.records(run)
-    planned = [job for job in run.plan().jobs() if job.driver == one.name]
+    planned = one.jobs(run)
     arrived = sum(record.succeeded for record in records)
     share = interval_text(share_interval(arrived, len(planned)), 0, percent=True)
     scores = np.array([record[DRIVING_SCORE] or 0.0 for record in records], float)

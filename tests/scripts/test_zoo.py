@@ -42,6 +42,9 @@ def test_the_page_has_a_row_a_driver_with_the_results_of_the_run(tmp_path: Path)
     assert f"- Teacher: {training.expert}; {training.frames:,} decisions" in section
     assert f"- Make it again: `{training.command}`" in section
     assert "`vpf-sim drive crossing --driver learned-bc`" in section
+    assert (
+        "`vpf-sim sweep --scenario crossing --weather clear --weather rain --driver learned-bc --seeds 7:9`" in section
+    )
 
 
 def test_the_picture_is_of_the_run(tmp_path: Path) -> None:
