@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+from shell_blocks import shell_lines
 
 from vpf_sim import cli
 from vpf_sim.evaluation.gate.rules import BOUNDS, Rule, read_rules
@@ -20,7 +21,8 @@ def test_the_example_rules_show_every_key() -> None:
 
 
 def test_the_commands_of_the_guide_exist(capsys: pytest.CaptureFixture[str]) -> None:
-    commands = re.findall(r"vpf-sim (\w+ [^|\n]*)", (DOCS / "gate.md").read_text())
+    lines = shell_lines((DOCS / "gate.md").read_text())
+    commands = [command for line in lines for command in re.findall(r"vpf-sim (\w+ [^|]*)", line)]
     assert {command.split()[0] for command in commands} == {"sweep", "check", "perception"}
     for command in commands:
         assert cli.run([*command.split(), "--help"]) == 0, command
