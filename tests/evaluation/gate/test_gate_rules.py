@@ -22,8 +22,8 @@ def test_the_example_rules_show_every_key() -> None:
 
 def test_the_commands_of_the_guide_exist(capsys: pytest.CaptureFixture[str]) -> None:
     lines = shell_lines((DOCS / "gate.md").read_text())
-    commands = [command for line in lines for command in re.findall(r"vpf-sim (\w+ [^|]*)", line)]
-    assert {command.split()[0] for command in commands} == {"sweep", "check", "perception"}
+    commands = [command for line in lines for command in re.findall(r"vpf-sim (\w+ [^|`]*)", line)]
+    assert {command.split()[0] for command in commands} == {"drive", "sweep", "check", "perception"}
     for command in commands:
         assert cli.run([*command.split(), "--help"]) == 0, command
         assert "Usage: vpf-sim" in capsys.readouterr().out
