@@ -93,16 +93,16 @@ def test_a_small_difference_is_not_rounded_to_zero(difference: float, shown: str
 
 
 def failed(
-    seed: int, status: str = "collision", driver: str = "vpf", way: float = 0.5, hit: str | None = None
+    seed: int, status: str = "collision", driver: str = "vpf", completion: float = 0.5, hit: str | None = None
 ) -> Record:
     job = Job("town04", "clear", driver, seed)
-    scores = {"route_completion": way}
+    scores = {"route_completion": completion}
     return Record(id=job.id, **job._asdict(), status=status, steps=9, collided_with=hit, scores=scores)
 
 
 def test_equal_failures_are_grouped() -> None:
     records = [
-        failed(1, hit="car", way=0.25),
+        failed(1, hit="car", completion=0.25),
         failed(2, hit="cone"),
         failed(3, hit="car"),
         failed(4, "error"),
@@ -117,7 +117,7 @@ def test_equal_failures_are_grouped() -> None:
         ("vpf", "error", None, "ValueError: b", (5,)),
         ("pid", "collision", None, "", (1,)),
     ]
-    assert [one.way for one in found[:2]] == ["25.0 to 50.0", "50.0"]
+    assert [one.completion for one in found[:2]] == ["25.0 to 50.0", "50.0"]
     assert sum(len(one.seeds) for one in found) == len(records)
 
 
