@@ -41,9 +41,9 @@ HEAD = """# Leaderboard
 
 **Which driver does best in [a harder world](hard.md)?** Each drove the {drives} drives of
 [leaderboard/plan.toml](../leaderboard/plan.toml): {scenarios} scenarios, each in {weathers}, seeds {seeds}.
-The rank is that of the mean driving score, CARLA's 2.1: the share of the route, less what was off the road
-and for a collision ([reference.md](reference.md#scores)). Failures count: a run that lacks a drive is refused.
-In (brackets): 95 % intervals. Where that of the lead contains 0, the rank may be chance.
+Drivers are ranked by their mean driving score, CARLA's 2.1: the share of the route that was driven, reduced by the
+share off the lanes and by collisions ([reference.md](reference.md#scores)). Lost drives count, and a run that lacks a
+drive is refused. In brackets: 95 % intervals. Where the interval of a lead contains 0, the rank may be chance.
 
 `python scripts/leaderboard.py leaderboard/entries/*/ --out docs/leaderboard.md` writes this page from the run folders.
 """
@@ -154,7 +154,7 @@ def page(found: Sequence[Entry], plan: Plan) -> str:
     parts += ["\n## Weather\nThe change is that on the same scenarios and seeds, in percentage points.\n"]
     parts += [*_weathers(ranked, plan.weather).markdown()]
     parts += ["\n## Cost\nLines, settings and weights as [comparison.md](comparison.md) counts them."]
-    parts += ["The time is that of the run's machine, which may have been busy, and no part of a verification.\n"]
+    parts += ["The time was measured on the run's machine, which may have been busy; it is not verified.\n"]
     return "\n".join([*parts, *_costs(ranked).markdown()]) + "\n" + HOW_TO_ENTER
 
 
