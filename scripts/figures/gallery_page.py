@@ -17,8 +17,8 @@ NEWER = ("-v1", "-v2")  # versions of highway-env's environments with the road o
 HEAD = """# Gallery
 
 **What does it look like?** Each picture shows 2.6 seconds of a drive: the camera's frames, with what the driver
-perceives and plans if it shows them, and the road from above. The command below a picture makes a video of the whole drive.
-Name [your own driver](tutorials/own-driver.md) in it instead. `python scripts/figures/gallery.py` makes this page.
+perceives and plans if it shows them, and the road from above. The command below a picture makes a video of the whole
+drive. Name [your own driver](tutorials/own-driver.md) in it instead. `python scripts/figures/gallery.py` makes this page.
 
 [Scenarios](#scenarios) · [highway-env's roads](#highway-envs-roads) · [weathers](#weathers) · [drivers](#drivers)
 """
@@ -99,8 +99,8 @@ def sections() -> tuple[Section, ...]:
         ),
         Section(
             "Drivers",
-            "Each on the paper's road, with two parked cars, in hard rain. What each gets beyond its camera, and how often"
-            " it arrives: [which driver?](comparison.md). `keyboard` is [you](start.md#drive-yourself).",
+            "Each on the paper's road, with two parked cars, in hard rain. What each gets beyond its camera, and how"
+            " often it arrives: [which driver?](comparison.md). `keyboard` is [you](start.md#drive-yourself).",
             tuple(
                 Shown(f"driver-{one.name}", "town04", "rain", (one.name,), one.summary)
                 for one in drivers.describe()
