@@ -18,7 +18,8 @@ HEAD = """# Gallery
 
 **What does it look like?** Each picture shows 2.6 seconds of a drive: the camera's frames, with what the driver
 perceives and plans if it shows them, and the road from above. The command below a picture makes a video of the whole
-drive. Name [your own driver](tutorials/own-driver.md) in it instead. `python scripts/figures/gallery.py` makes this page.
+drive. Name [your own driver](tutorials/own-driver.md) in it instead.
+`python scripts/figures/gallery.py` makes this page.
 
 [Scenarios](#scenarios) · [highway-env's roads](#highway-envs-roads) · [weathers](#weathers) · [drivers](#drivers)
 """
