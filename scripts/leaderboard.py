@@ -25,7 +25,7 @@ from vpf_sim.errors import InputError
 from vpf_sim.evaluation.analysis.abilities import AbilityRow, by_ability
 from vpf_sim.evaluation.analysis.statistics import mean_interval, paired_difference
 from vpf_sim.evaluation.job import Job
-from vpf_sim.evaluation.metrics.records import Record
+from vpf_sim.evaluation.metrics.records import Record, Schema, checked
 from vpf_sim.evaluation.metrics.registry import DRIVING_SCORE
 from vpf_sim.evaluation.sweeps.plan import Plan, make_plan, read_plan
 from vpf_sim.files import write_text
@@ -65,6 +65,15 @@ HOW_TO_ENTER = """
 The seeds are public, so a driver can be tuned on them, and nothing stops that but your word. A new version of the
 plan has new seeds, which all drivers drive again.
 """
+
+
+class Verification(Schema):
+    """What `vpf-sim verify --json` printed."""
+
+    ok: bool
+    planned: int
+    driven: list[str]
+    records_sha256: str
 
 
 @dataclass(frozen=True)
@@ -138,17 +147,23 @@ def _verification(run: StoredRun) -> str:
     file = run.path / VERIFICATION
     if not file.exists():
         return "no"
-    stored = json.loads(file.read_text("utf-8"))
-    if stored["records_sha256"] != sha256((run.path / "episodes.jsonl").read_bytes()).hexdigest():
+    try:
+        content = json.loads(file.read_bytes())
+    except ValueError:
+        content = None
+    if not isinstance(content, dict):
+        raise InputError(f"{file}: expected what `vpf-sim verify --json` printed, got something else")
+    stored = checked(Verification, content, str(file))
+    if stored.records_sha256 != sha256((run.path / "episodes.jsonl").read_bytes()).hexdigest():
         return "no, the records have changed since"
-    return f"yes, {len(stored['driven'])} of {stored['planned']} driven again" if stored["ok"] else "**no, it differs**"
+    return f"yes, {len(stored.driven)} of {stored.planned} driven again" if stored.ok else "**no, it differs**"
 
 
 def page(found: Sequence[Entry], plan: Plan) -> str:
     """The page of some entries."""
     ranked = sorted(found, key=lambda entry: (-entry.scores.mean(), entry.driver))
     counts = {"scenarios": len(plan.scenario), "drives": len(plan.jobs()), "seeds": plan.seeds}
-    weathers = f"{', '.join(plan.weather[:-1])} and {plan.weather[-1]}"
+    weathers = " and ".join(filter(None, (", ".join(plan.weather[:-1]), plan.weather[-1])))
     parts = [HEAD.format(weathers=weathers, **counts), *_ranks(ranked).markdown()]
     parts += ["\n## Abilities\nDrives that arrive, in all weathers.\n", *_abilities(ranked).markdown()]
     parts += ["\n## Weather\nThe change is that on the same scenarios and seeds, in percentage points.\n"]
@@ -251,7 +266,7 @@ def main() -> None:
         if twice := next((name for name, count in names.items() if count > 1), None):
             raise InputError(f"{twice}: expected one run of each driver, got {names[twice]}")
         write_text(options.out, page(found, plan))
-    except InputError as error:
+    except (InputError, OSError) as error:
         sys.exit(f"leaderboard.py: {error}")
 
 

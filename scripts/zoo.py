@@ -116,7 +116,8 @@ def section(one: Animal, out: Path) -> Iterator[str]:
     """A driver's own lines."""
     yield f"\n## {one.name}\n"
     if one.picture.exists():
-        yield f"![What {one.name} sees and plans]({one.picture.relative_to(out.parent).as_posix()})\n"
+        picture = one.picture.resolve().relative_to(out.resolve().parent).as_posix()
+        yield f"![What {one.name} sees and plans]({picture})\n"
     yield f"{_sentence(drivers.description(one.name).summary)}\n"
     yield f"- Made of {_made_of(one.size)}"
     if one.training is not None:
@@ -188,13 +189,15 @@ def main() -> None:
     parser.add_argument("--pictures", type=Path, required=True, metavar="FOLDER", help="below the page's folder")
     options = parser.parse_args()
     try:
+        if not options.pictures.resolve().is_relative_to(options.out.resolve().parent):
+            raise InputError(f"--pictures: expected a folder below that of {options.out}, got {options.pictures}")
         found = [*animals([open_run(path) for path in options.runs], options.pictures)]
         for one in found:
             if (picture := draw(one)) is not None:
                 one.picture.parent.mkdir(parents=True, exist_ok=True)
                 write_bytes(one.picture, jpeg(picture, QUALITY))
         write_text(options.out, page(found, options.out))
-    except InputError as error:
+    except (InputError, OSError) as error:
         sys.exit(f"zoo.py: {error}")
 
 

@@ -114,3 +114,21 @@ def test_a_verification_counts_while_the_records_are_those_that_it_is_of(
     assert rows_of(tmp_path, run)[0][6] == shown
     records.write_text(records.read_text().replace("0.4", "0.3"))
     assert rows_of(tmp_path, run)[0][6].startswith("no")
+
+
+@pytest.mark.parametrize(
+    ("content", "fault"),
+    [
+        ("[", "expected what `vpf-sim verify --json` printed, got something else"),
+        ("[]", "expected what `vpf-sim verify --json` printed, got something else"),
+        ("{}", "key 'ok' is missing"),
+        ('{"ok": "yes"}', "ok: expected"),
+    ],
+)
+def test_a_broken_verification_is_refused_in_one_line(content: str, fault: str, tmp_path: Path) -> None:
+    run = enter(tmp_path, "vpf", {})
+    (run / "verification.json").write_text(content)
+    done = made(tmp_path, run)
+    assert done.returncode == 1
+    assert len(done.stderr.splitlines()) == 1
+    assert f"verification.json: {fault}" in done.stderr

@@ -54,6 +54,17 @@ def test_the_picture_is_of_the_run(tmp_path: Path) -> None:
     assert (tmp_path / "pictures" / "pid.jpg").read_bytes()[:2] == b"\xff\xd8"
 
 
+def test_pictures_that_are_not_below_the_page_are_refused_in_one_line(tmp_path: Path) -> None:
+    plan = Plan(("crossing",), ("clear",), ("pid",), "7:8")
+    run = stored.store(tmp_path / "run", plan, [stored.record(job) for job in plan.jobs()])
+    options = ["--out", tmp_path / "docs" / "zoo.md", "--pictures", tmp_path / "elsewhere"]
+    command = [sys.executable, ROOT / "scripts" / "zoo.py", run, *options]
+    done = subprocess.run(command, check=False, capture_output=True, text=True)
+    assert done.returncode == 1
+    assert done.stderr.startswith("zoo.py: --pictures: expected a folder below")
+    assert len(done.stderr.splitlines()) == 1
+
+
 @pytest.mark.parametrize(
     ("values", "shown"),
     [
