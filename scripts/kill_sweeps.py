@@ -130,6 +130,8 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True, help="a new folder")
     arguments = parser.parse_args()
     folder: Path = arguments.out
+    if folder.exists():
+        parser.error(f"--out: expected a new folder, got {folder}")
     folder.mkdir(parents=True)
     (folder / "short.toml").write_text(SCENARIO)
     wanted = undisturbed(folder)

@@ -74,6 +74,8 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True, help="a new folder")
     options = parser.parse_args()
     folder: Path = options.out
+    if folder.exists():
+        parser.error(f"--out: expected a new folder, got {folder}")
     folder.mkdir(parents=True)
     for name, text in (("short", SCENARIO), ("bend", BEND)):
         (folder / f"{name}.toml").write_text(text)

@@ -6,12 +6,21 @@ from pathlib import Path
 
 import pytest
 
-SCRIPT = Path(__file__).parents[2] / "scripts" / "repeat_sweeps.py"
+SCRIPTS = Path(__file__).parents[2] / "scripts"
 
 
 @pytest.mark.slow
 def test_repeated_sweeps_are_equal_and_verified(tmp_path: Path) -> None:
-    command = [sys.executable, str(SCRIPT), "--rounds", "2", "--out", str(tmp_path / "repeats")]
+    command = [sys.executable, str(SCRIPTS / "repeat_sweeps.py"), "--rounds", "2", "--out", str(tmp_path / "repeats")]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.splitlines()[-1] == "2 of 2 runs equal, 2 of 2 verified"
+
+
+@pytest.mark.parametrize("script", ["repeat_sweeps.py", "kill_sweeps.py"])
+def test_a_folder_that_exists_is_refused_in_one_line(script: str, tmp_path: Path) -> None:
+    command = [sys.executable, str(SCRIPTS / script), "--out", str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr.splitlines()[-1] == f"{script}: error: --out: expected a new folder, got {tmp_path}"
+    assert "Traceback" not in done.stderr
