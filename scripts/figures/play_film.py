@@ -56,7 +56,7 @@ class Filmed(PlayView):
                 pygame.K_DOWN: observation.speed_mps > SPEEDS_MPS[1],
                 pygame.K_LEFT: wheel < -LEAST_TURN,
                 pygame.K_RIGHT: wheel > LEAST_TURN,
-                pygame.K_o: OVERLAY_S <= observation.time_s,
+                pygame.K_o: observation.time_s >= OVERLAY_S,
             }
         )
         return made
