@@ -243,6 +243,14 @@ def test_truncated_image_is_a_gap(valid: Path, tmp_path: Path) -> None:
     assert frames[5].fault == "0000000005.png: the file is truncated"
 
 
+def test_images_that_are_all_truncated_are_refused(valid: Path, tmp_path: Path) -> None:
+    folder = copied(valid, "kitti_raw", tmp_path)
+    for file in (folder / "image_02" / "data").iterdir():
+        shorter(f"image_02/data/{file.name}")(folder)
+    with pytest.raises(InputError, match="expected images that can be read, found none among"):
+        readers.read(folder)
+
+
 def test_jpeg_with_trailing_bytes_is_complete(tmp_path: Path) -> None:
     layouts.pictures(tmp_path, ["shot 2.JPG", "shot 10.JPG", "shot 1.JPG"])
     files = image_files.listed(tmp_path)

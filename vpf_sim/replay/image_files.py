@@ -93,8 +93,11 @@ def size(files: Sequence[Path], folder: Path) -> tuple[int, int]:
         if (other := _size(file)) != first:
             expected, actual = (f"{width} x {height}" for width, height in (first, other))
             raise InputError(f"{file}: expected an image of {expected} px like the first, got {actual}")
-    shown = decode(files[0].read_bytes())  # rotated as the camera says
-    return first if shown is None else (shown.shape[1], shown.shape[0])
+    whole = (file.read_bytes() for file in files)
+    shown = next((image for content in whole if (image := _image(content)) is not None), None)
+    if shown is None:
+        raise InputError(f"{folder}: expected images that can be read, found none among {len(files)}")
+    return shown.shape[1], shown.shape[0]  # rotated as the camera says
 
 
 def frames(files: Sequence[Path | None], expected: tuple[int, int]) -> Iterator[Frame]:
@@ -105,7 +108,7 @@ def frames(files: Sequence[Path | None], expected: tuple[int, int]) -> Iterator[
             yield Frame(index, None, f"image {index} is missing")
             continue
         content = file.read_bytes()
-        image = None if _cut_off(content) else decode(content, bits)
+        image = _image(content, bits)
         if image is None:
             fault = f"{file.name}: the file is truncated" if _cut_off(content) else f"{file.name}: does not decode"
             yield Frame(index, None, fault)
@@ -133,6 +136,11 @@ def decode(content: bytes, bits: int = 16) -> Image | None:
     if decoded.dtype == np.uint16:
         decoded = np.minimum(decoded >> (bits - 8), 255)
     return cv2.cvtColor(decoded.astype(np.uint8), cv2.COLOR_BGR2RGB).astype(np.uint8, copy=False)
+
+
+def _image(content: bytes, bits: int = 16) -> Image | None:
+    """`decode`, but None for a truncated file, too."""
+    return None if _cut_off(content) else decode(content, bits)
 
 
 def _decoded(content: bytes) -> NDArray[Any] | None:
