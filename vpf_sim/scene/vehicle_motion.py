@@ -18,7 +18,7 @@ from vpf_sim.types import Bools, Camera, Floats
 BESIDE_M, FACE_M = 0.1, 0.3  # points at least so far inside the sides; mean depth of a rear beyond its face
 HEIGHTS_M = (0.15, 1.5)  # of points on it
 ROAD_CHI2 = 9.0  # of a point as one of the road
-PASSES, CHI2_SCALE, CHI2_MEMBER = 6, 9.0, 25.0
+PASSES, CHI2_MEMBER = 6, 25.0
 LEAST_POINTS, LEAST_SHARE = 5, 0.5  # that agree
 PRIOR_MPS = 4.0  # standard deviation about the track's velocity
 SIGMA_MPS = (0.5, 0.25)  # of the velocity found, along and across, at least: pitching moves all points alike
@@ -54,18 +54,11 @@ def seen_motion(
     inverse, slope = 1.0 / depth, np.stack([mine.by_depth, mine.by_along, mine.by_across], axis=2)
     mean = inverse * np.array([1.0, *expected_mps])
     sigma = inverse * np.array([sigma_m / depth, PRIOR_MPS, PRIOR_MPS])
-    prior, gain = np.diag(sigma**-2), slope.transpose(0, 2, 1) @ mine.weight
-    trust = np.ones(len(rows))
-    for _ in range(PASSES):
-        normal = prior + np.einsum("n,nij,njk->ik", trust, gain, slope)
-        solved = np.linalg.solve(normal, prior @ mean + np.einsum("n,nij,nj->i", trust, gain, mine.far))
-        chi2 = mine.chi2(slope @ solved - mine.far)
-        trust = 1.0 / (1.0 + chi2 / CHI2_SCALE)
+    solved, spread, chi2 = mine.fit(slope, mean, sigma, PASSES)
     agree = int(np.count_nonzero(chi2 < CHI2_MEMBER))
     if agree < max(LEAST_POINTS, LEAST_SHARE * len(rows)) or solved[0] < 0.3 * inverse:
         return None
-    spread = np.sqrt(np.diagonal(np.linalg.inv(normal)))[1:] / solved[0]
-    found, sigma_mps = solved[1:] / solved[0], np.hypot(spread, SIGMA_MPS)
+    found, sigma_mps = solved[1:] / solved[0], np.hypot(spread[1:] / solved[0], SIGMA_MPS)
     if found[0] < 0.0 < expected_mps[0]:
         return Seen(np.array([0.0, found[1]]), sigma_mps, own_mps / (own_mps - found[0]))
     return Seen(found, sigma_mps, 1.0)

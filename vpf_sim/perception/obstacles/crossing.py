@@ -23,7 +23,7 @@ LINK_PX_PER_S, LINK_SHARE = 8.0, 0.3  # by which their motions may differ
 FOOT_M = 0.1  # height of the lowest corner on an actor
 NEARER, NEARER_SIGMA = 1.15, 0.3  # ratio of the depth of the foot's ray on the road to that of the actor
 FOOT_SIGMA = 0.1  # the same where the motion would place it beyond
-PASSES, CHI2_MEMBER, CHI2_SCALE = 5, 40.0, 9.0
+PASSES, CHI2_MEMBER, ACROSS_SIGMA = 5, 40.0, 100.0  # the last is of u w by the prior: any
 LEAST_SHARE = 0.4  # of a cluster's points that agree
 SIGMAS = 3.0  # of the speed across, by which it surely moves
 TOPS_M, HIGHEST_FOOT_M = (0.75, 3.5), 1.0  # of an actor by its points
@@ -145,16 +145,8 @@ def _actor(points: PointMotions, camera: Camera, config: CrossingConfig, own_mps
 def _fit(
     points: PointMotions, prior_per_m: float, prior_sigma_per_m: float
 ) -> tuple[float, float, tuple[float, float], Floats]:
-    """Inverse depth w, u w, their standard deviations and (N,) chi2, by reweighted least squares (Cauchy)."""
+    """Inverse depth w, u w, their standard deviations and (N,) chi2."""
     slope = np.stack([points.by_depth, points.by_across], axis=2)
-    gain = slope.transpose(0, 2, 1) @ points.weight
-    prior = np.diag([prior_sigma_per_m**-2, 1e-4])
-    trust = np.ones(len(slope))
-    for _ in range(PASSES):
-        normal = prior + np.einsum("n,nij,njk->ik", trust, gain, slope)
-        right = prior[:, 0] * prior_per_m + np.einsum("n,nij,nj->i", trust, gain, points.far)
-        solved = np.linalg.solve(normal, right)
-        chi2 = points.chi2(slope @ solved - points.far)
-        trust = 1.0 / (1.0 + chi2 / CHI2_SCALE)
-    sigma = np.sqrt(np.diag(np.linalg.inv(normal)))
-    return float(solved[0]), float(solved[1]), (float(sigma[0]), float(sigma[1])), chi2
+    mean, prior_sigma = np.array([prior_per_m, 0.0]), np.array([prior_sigma_per_m, ACROSS_SIGMA])
+    (inverse, across), (sigma, across_sigma), chi2 = points.fit(slope, mean, prior_sigma, PASSES)
+    return float(inverse), float(across), (float(sigma), float(across_sigma)), chi2

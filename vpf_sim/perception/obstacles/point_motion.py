@@ -1,6 +1,7 @@
 """How the image points of a frame moved, linear in their inverse depth and the velocity of what they are on."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,6 +12,15 @@ from vpf_sim.perception.obstacles.moving.moving_frame import rays
 from vpf_sim.types import Camera, Floats, Flow, Integers
 
 NEAREST_PER_M = 0.5
+CHI2_SCALE = 9.0  # of a point that counts half
+
+
+class Fit(NamedTuple):
+    """What points have in common."""
+
+    solved: Floats  # (k,)
+    sigma: Floats  # (k,) standard deviations
+    chi2: Floats  # (N,) of the points
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +46,20 @@ class PointMotions:
     def chi2(self, residual: Floats) -> Floats:
         """(N,) of residuals (N, 2)."""
         return np.asarray(np.einsum("ni,nij,nj->n", residual, self.weight, residual))
+
+    def fit(self, slope: Floats, mean: Floats, sigma: Floats, passes: int) -> "Fit":
+        """The k unknowns that `slope` (N, 2, k) multiplies, by reweighted least squares (Cauchy).
+
+        `mean` and `sigma` (k,) are their prior.
+        """
+        gain, prior = slope.transpose(0, 2, 1) @ self.weight, np.diag(sigma**-2)
+        trust = np.ones(len(slope))
+        for _ in range(passes):
+            normal = prior + np.einsum("n,nij,njk->ik", trust, gain, slope)
+            solved = np.linalg.solve(normal, prior @ mean + np.einsum("n,nij,nj->i", trust, gain, self.far))
+            chi2 = self.chi2(slope @ solved - self.far)
+            trust = 1.0 / (1.0 + chi2 / CHI2_SCALE)
+        return Fit(solved, np.sqrt(np.diagonal(np.linalg.inv(normal))), chi2)
 
     def static_chi2(self, least_per_m: Floats) -> Floats:
         """(N,) with the best inverse depth from `least_per_m` (N,) on."""
