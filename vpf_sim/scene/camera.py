@@ -77,8 +77,8 @@ class CameraScene:
         self._last = observation
         found = self._detections(perception.obstacles, observation, evidence, s)
         by_way, by_time = way_m / self._config.look_m, dt_s / self._config.look_s
-        stands = np.all(found.state[:, 2:] == 0.0, axis=1)  # a car that stands sees it from one place
-        fresh = np.minimum(np.where(stands & (found.gain > 0.0), by_way, max(by_way, by_time)), 1.0)
+        static = found.stands & (found.gain > 0.0)  # a car that stands sees them from one place
+        fresh = np.minimum(np.where(static, by_way, max(by_way, by_time)), 1.0)
         self._tracker.update(found, fresh, dt_s * self._visible(observation), s)
         if evidence.motions is not None:
             self._follow(evidence.motions, observation)

@@ -44,6 +44,11 @@ class Faces:
     def __len__(self) -> int:
         return len(self.state)
 
+    @property
+    def stands(self) -> Bools:
+        """(N,) those that were found without a velocity, as static obstacles are."""
+        return np.asarray(np.all(self.state[:, 2:] == 0.0, axis=1))
+
     def chosen(self, rows: Integers | Bools) -> Self:
         """Some of them."""
         return type(self)(*(getattr(self, field.name)[rows] for field in fields(self)))
@@ -166,8 +171,7 @@ class SceneTracker:
         table.covariance[rows] = (np.eye(4) - gain) @ before
         for name in ("length_m", "width_m", "loss_per_s"):
             getattr(table, name)[rows] = getattr(found, name)
-        stands = np.all(found.state[:, 2:] == 0.0, axis=1)
-        most = np.where(stands, self._config.most_standing, self._config.most)
+        most = np.where(found.stands, self._config.most_standing, self._config.most)
         table.gain[rows] = np.minimum(table.gain[rows] + fresh * found.gain, most)
         table.unseen_s[rows] = 0.0
 
@@ -190,9 +194,8 @@ class SceneTracker:
     def _outdated(self, found: Detections) -> Bools:
         """(N,) detections of what stands where a track was that has moved away since."""
         moved = self.table.state[self.table.moved >= SURE_FRAMES]
-        stands = np.all(found.state[:, 2:] == 0.0, axis=1)
         near = np.abs(found.state[:, None, :2] - moved[:, :2]) < LEFT_M
-        return np.asarray(stands & np.any(np.all(near, axis=2), axis=1))
+        return np.asarray(found.stands & np.any(np.all(near, axis=2), axis=1))
 
     def correct_velocity(self, row: int, velocity_mps: Floats, sigma_mps: Floats) -> None:
         """Kalman update of a track by its velocity (2,) along and across."""
@@ -215,8 +218,7 @@ class SceneTracker:
         identity = np.arange(self._next, self._next + count)
         self._next += count
         begun = _begun(found, identity)
-        stands = np.all(found.state[:, 2:] == 0.0, axis=1)
-        begun.gain[stands & (found.gain < SURE)] = self._config.unsure
+        begun.gain[found.stands & (found.gain < SURE)] = self._config.unsure
         self.table = table.joined(begun)
 
     def _prune(self, ego_s_m: float) -> None:
