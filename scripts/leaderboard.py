@@ -8,7 +8,6 @@ or was driven in other scenarios or weathers, is refused. `verification.json` in
 """
 
 import argparse
-import json
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -28,7 +27,7 @@ from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.records import Record, Schema, checked
 from vpf_sim.evaluation.metrics.registry import DRIVING_SCORE
 from vpf_sim.evaluation.sweeps.plan import Plan, make_plan, read_plan
-from vpf_sim.files import write_text
+from vpf_sim.files import read_object, write_text
 from vpf_sim.reporting.abilities import ALL, TITLES
 from vpf_sim.reporting.kit.page import NONE, Cell, Table, Value, formatted, interval_text
 from vpf_sim.reporting.run_data import StoredRun, open_run
@@ -147,12 +146,7 @@ def _verification(run: StoredRun) -> str:
     file = run.path / VERIFICATION
     if not file.exists():
         return "no"
-    try:
-        content = json.loads(file.read_bytes())
-    except ValueError:
-        content = None
-    if not isinstance(content, dict):
-        raise InputError(f"{file}: expected what `vpf-sim verify --json` printed, got something else")
+    content = read_object(file, "what `vpf-sim verify --json` printed")
     stored = checked(Verification, content, str(file))
     if stored.records_sha256 != sha256((run.path / "episodes.jsonl").read_bytes()).hexdigest():
         return "no, the records have changed since"

@@ -2,6 +2,7 @@
 
 import codecs
 import errno
+import json
 import os
 import re
 import shutil
@@ -110,6 +111,17 @@ def read_text(path: Path) -> str:
     content = path.read_bytes()
     is_wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     return content.decode("utf-16" if is_wide else "utf-8-sig")
+
+
+def read_object(path: Path, expected: str = "a JSON object") -> dict[str, object]:
+    """The object in a JSON file; InputError where it is none, OSError where it cannot be read."""
+    try:
+        content = json.loads(path.read_bytes())
+    except (ValueError, RecursionError):
+        content = None
+    if not isinstance(content, dict):
+        raise InputError(f"{path}: expected {expected}, got something else")
+    return content
 
 
 def write_bytes(path: Path, content: bytes) -> None:

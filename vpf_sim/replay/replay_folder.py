@@ -3,7 +3,6 @@
 The manifest has hashes of what was read and of what was derived from it, to decide whether the folder can be resumed.
 """
 
-import json
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack, closing
 from hashlib import file_digest, sha256
@@ -16,6 +15,7 @@ from vpf_sim.evaluation.score_keys import Json
 from vpf_sim.evaluation.sweeps.fingerprint import digest, fingerprint, own_code
 from vpf_sim.evaluation.sweeps.manifest import change
 from vpf_sim.evaluation.sweeps.run_folder import LOCK, JsonLines, check_name, locked, write_json
+from vpf_sim.files import read_object
 from vpf_sim.replay import image_files, real_table, records
 from vpf_sim.replay.recording import SIGNALS, Recording
 from vpf_sim.replay.records import DriveRecord, Hashes, ReplayManifest, ReplayPlan, Summary, Timing
@@ -103,12 +103,7 @@ class ReplayFolder:
         return not same_code
 
     def _stored(self) -> ReplayManifest:
-        try:
-            stored = json.loads((self.path / MANIFEST).read_bytes())
-        except ValueError:
-            stored = None
-        if not isinstance(stored, dict):
-            raise InputError(f"{self.path / MANIFEST}: expected a JSON object, got something else")
+        stored = read_object(self.path / MANIFEST)
         if (command := stored.get("command")) != "replay":
             what = change(command, "replay")
             raise InputError(f"{self.path}: --resume: command changed: {what}; start a new run")

@@ -1,6 +1,5 @@
 """The data of a report: a run with its plan, records and summary, read once."""
 
-import json
 from dataclasses import dataclass
 from datetime import date, datetime
 from pathlib import Path
@@ -16,6 +15,7 @@ from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.evaluation.sweeps.manifest import MANIFEST, Manifest, read_manifest
 from vpf_sim.evaluation.sweeps.plan import Plan, make_plan
 from vpf_sim.evaluation.sweeps.run_folder import read_records, read_timing
+from vpf_sim.files import read_object
 from vpf_sim.reporting.main_table import Order
 from vpf_sim.system import command
 
@@ -81,13 +81,7 @@ class StoredRun:
             return summarize(jobs, self.records.values(), self.manifest.privileged)
         remedy = f"{command('score', self.path)} recreates it"
         try:
-            stored = json.loads(path.read_bytes())
-        except ValueError:
-            stored = None
-        if not isinstance(stored, dict):
-            raise InputError(f"{path}: expected a JSON object, got something else; {remedy}")
-        try:
-            summary = read_summary(stored, str(path))
+            summary = read_summary(read_object(path), str(path))
         except InputError as error:
             raise InputError(f"{error}; {remedy}") from None
         if not summary.has_cells({Cell(*job[:3]) for job in jobs}):

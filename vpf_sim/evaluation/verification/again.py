@@ -22,6 +22,7 @@ from vpf_sim.seeding import stream
 
 MOVED = ("time_s", "x_m", "y_m", "yaw_rad", "speed_mps", "yaw_rate_radps")  # what the world does
 DECIDED = "other weights or code of the driver, or chance in it that no seed repeats"
+LOST = "its worker was lost or out of time when the run was made"
 Driven = pool.Done[Job, Mismatch | None]
 
 
@@ -56,9 +57,6 @@ def first_difference(path: Path, job: Job) -> Mismatch | None:
             return Mismatch(record.id, None, "steps", len(stored), len(found.steps), cause)
     cause = other or (LOST if record.status == "error" else EDITED)
     return next(differing(record, found.record, cause), None)
-
-
-LOST = "its worker was lost or out of time when the run was made"
 
 
 def _driven(inputs: RunInputs, job: Job) -> EpisodeResult:

@@ -1,6 +1,5 @@
 """A stored run as a verification reads it."""
 
-import json
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
@@ -14,6 +13,7 @@ from vpf_sim.evaluation.run_inputs import RunInputs
 from vpf_sim.evaluation.sweeps.manifest import Manifest, read_manifest, stored_plan
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import read_records
+from vpf_sim.files import read_object
 
 SUMMARY, RECORDS = "summary.json", "episodes.jsonl"
 
@@ -54,12 +54,4 @@ class Run:
 
 
 def _summary(file: Path) -> Summary | None:
-    if not file.exists():
-        return None
-    try:
-        content = json.loads(file.read_bytes())
-    except ValueError:
-        content = None
-    if not isinstance(content, dict):
-        raise InputError(f"{file}: expected a JSON object, got something else")
-    return read_summary(content, str(file))
+    return read_summary(read_object(file), str(file)) if file.exists() else None
