@@ -123,16 +123,21 @@ def undisturbed(folder: Path) -> Contents:
     return contents(folder / "serial")
 
 
+def new_folder(parser: argparse.ArgumentParser, folder: Path) -> Path:
+    """The folder of the option --out, made; the parser refuses one that exists."""
+    if folder.exists():
+        parser.error(f"--out: expected a new folder, got {folder}")
+    folder.mkdir(parents=True)
+    return folder
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rounds", type=int, default=20)
     parser.add_argument("--seed", type=int, default=0, help="of times and killed processes")
     parser.add_argument("--out", type=Path, required=True, help="a new folder")
     arguments = parser.parse_args()
-    folder: Path = arguments.out
-    if folder.exists():
-        parser.error(f"--out: expected a new folder, got {folder}")
-    folder.mkdir(parents=True)
+    folder = new_folder(parser, arguments.out)
     (folder / "short.toml").write_text(SCENARIO)
     wanted = undisturbed(folder)
     choice, equal, all_lost = random.Random(arguments.seed), 0, 0

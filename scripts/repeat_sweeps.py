@@ -15,7 +15,7 @@ from pathlib import Path
 from subprocess import DEVNULL
 from time import perf_counter
 
-from kill_sweeps import SCENARIO, TIMEOUT_S, contents
+from kill_sweeps import SCENARIO, TIMEOUT_S, contents, new_folder
 
 BEND = """
 schema = 1
@@ -73,21 +73,19 @@ def main() -> None:
     parser.add_argument("--seeds", default="0:2", help="of the sweep")
     parser.add_argument("--out", type=Path, required=True, help="a new folder")
     options = parser.parse_args()
-    folder: Path = options.out
-    if folder.exists():
-        parser.error(f"--out: expected a new folder, got {folder}")
-    folder.mkdir(parents=True)
+    folder = new_folder(parser, options.out)
     for name, text in (("short", SCENARIO), ("bend", BEND)):
         (folder / f"{name}.toml").write_text(text)
     hashes, verified, began_s = Counter[str](), 0, perf_counter()
     for number in range(options.rounds):
         out = folder / f"round-{number}"
         sweep(folder, out, options.seeds)
-        hashes[digest(out)] += 1
+        found = digest(out)
+        hashes[found] += 1
         passes = is_verified(out, number)
         verified += passes
         words = f"{'verified' if passes else 'NOT VERIFIED'}, {perf_counter() - began_s:.0f} s"
-        print(f"round {number}: {digest(out)[:16]}, {words}", flush=True)
+        print(f"round {number}: {found[:16]}, {words}", flush=True)
     equal = hashes.most_common(1)[0][1]
     print(f"{equal} of {options.rounds} runs equal, {verified} of {options.rounds} verified")
     sys.exit(0 if equal == verified == options.rounds else 1)
