@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import cv2
 import gallery_page as page
@@ -21,15 +20,14 @@ from PIL import Image as Picture  # comes with matplotlib
 
 import vpf_sim
 from vpf_sim import drivers
-from vpf_sim.envs.contacts import solid_objects
-from vpf_sim.envs.four_lane import FourLane
-from vpf_sim.evaluation.episode.episode import read, setup_for
+from vpf_sim.evaluation.episode.episode import EpisodeResult
+from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.geometry import unwrapped
 from vpf_sim.reporting import overlay, top_view
 from vpf_sim.reporting.canvas import Canvas
-from vpf_sim.reporting.redraw import rectangle_of, scene_of
+from vpf_sim.reporting.redraw import Moment, Redrawing
 from vpf_sim.system import one_thread
-from vpf_sim.types import Image, Plan
+from vpf_sim.types import Image
 
 FOLDER = page.DOCS / "pictures" / "gallery"
 DRIVES = FOLDER / "drives.json"
@@ -56,34 +54,25 @@ README = page.Shown("town04-rain", "town04", "rain", ("vpf",))
 OF_README = Moving((480, 270), beside=True, shown_s=(2.5, 7.5), quality=40)
 
 
-@dataclass(slots=True)
-class Driven:
-    """A drive, to be played again."""
-
-    drive: page.Drive
-    commands: list[Any]  # (2,) throttle and steering
-    plans: dict[int, Plan | None]  # by row, of each row that may be drawn
-    clearance_m: list[float]
-    yaw_rad: list[float]
-
-    def rows(self, shown_s: tuple[float, float] | None) -> range:
-        """The rows to draw."""
-        turning = np.abs(np.gradient(unwrapped(np.array(self.yaw_rad))))
-        moment = int(np.argmin(self.clearance_m) if np.isfinite(self.clearance_m).any() else np.argmax(turning))
-        hz = STRIDE * RATE_HZ
-        first_s, last_s = shown_s or (moment / hz - BEFORE_S, moment / hz + AFTER_S)
-        count = min(round((last_s - first_s) * hz), len(self.commands))
-        first = min(max(round(first_s * hz), 0), len(self.commands) - count)
-        return range(first - first % STRIDE, first + count, STRIDE)
+def rows_of(table: StepTable, shown_s: tuple[float, float] | None) -> range:
+    """The rows to draw."""
+    turning = np.abs(np.gradient(unwrapped(table.yaw_rad[:-1])))
+    clearance_m = table.clearance_m[:-1]
+    moment = int(np.argmin(clearance_m) if np.isfinite(clearance_m).any() else np.argmax(turning))
+    hz, commands = STRIDE * RATE_HZ, len(clearance_m)
+    first_s, last_s = shown_s or (moment / hz - BEFORE_S, moment / hz + AFTER_S)
+    count = min(round((last_s - first_s) * hz), commands)
+    first = min(max(round(first_s * hz), 0), commands - count)
+    return range(first - first % STRIDE, first + count, STRIDE)
 
 
-def arriving(shown: page.Shown) -> Driven:
+def arriving(shown: page.Shown) -> EpisodeResult:
     """The first drive that arrives; the first drive if none does."""
     first = None
     for name, seed in product(shown.drivers, shown.seeds):
         blind = not drivers.uses_images(drivers.create(name))  # drives the same in every weather of the catalog
         done = driven(shown.scenario, "clear" if blind else shown.weather, name, seed)
-        if done.drive.status == "success":
+        if done.record.succeeded:
             return done
         first = first or done
     assert first is not None
@@ -91,50 +80,31 @@ def arriving(shown: page.Shown) -> Driven:
 
 
 @lru_cache(1)
-def driven(scenario: str, weather: str, name: str, seed: int) -> Driven:
-    """A drive, with the frames that the driver uses."""
-    driver = drivers.create(name)
-    uses_images = drivers.uses_images(driver)
-    env = FourLane(scenario, weather, frames=uses_images)
-    observed, info = env.reset(seed=seed)
-    driver.reset(setup_for(driver, env, seed))
-    commands, plans, clearance_m, yaw_rad, over = [], {}, [], [], False
-    while not over:
-        observation = read(observed)
-        command = drivers.command_of(driver, observation)
-        if len(commands) % STRIDE == 0:
-            plans[len(commands)] = drivers.trace_of(driver)
-        clearance_m.append(info["clearance_m"])
-        yaw_rad.append(observation.yaw_rad)
-        commands.append(np.array([command.throttle, command.steering]))
-        with_frame = uses_images and drivers.needs_next_frame(driver)
-        observed, _, terminated, truncated, info = env.step(commands[-1], with_frame=with_frame)
-        over = terminated or truncated
-    time_s = round(float(observed["time"][0]), 1)
-    drive = page.Drive(name, seed, info["status"], info.get("collided_with") or "", time_s)
-    return Driven(drive, commands, plans, clearance_m, yaw_rad)
+def driven(scenario: str, weather: str, name: str, seed: int) -> EpisodeResult:
+    """A drive."""
+    return vpf_sim.drive(scenario, driver=name, weather=weather, seed=seed).result
 
 
-def shots(shown: page.Shown, done: Driven, moving: Moving) -> Iterator[Image]:
-    """The pictures of a drive, which is played again, with frames where they are needed."""
-    env, rows, trail = FourLane(shown.scenario, shown.weather), done.rows(moving.shown_s), []
-    observed, _ = env.reset(seed=done.drive.seed)
-    for row in range(rows.stop):
-        trail.append(env.ego.position.copy())
-        if row in rows:
-            yield picture(env, observed["image"], done.plans[row], np.array(trail), moving)
-        observed = env.step(done.commands[row], with_frame=row + 1 in rows)[0]
+def shots(shown: page.Shown, done: EpisodeResult, moving: Moving) -> Iterator[Image]:
+    """The pictures of a drive, in the weather to be shown."""
+    record = done.record.model_copy(update={"weather": shown.weather})
+    drawn, rows = Redrawing(record, done.steps, replan=True), rows_of(done.steps, moving.shown_s)
+    for moment in drawn.moments():
+        if moment.index in rows:
+            yield picture(drawn, moment, moving)
+        if moment.index >= rows[-1]:
+            return
 
 
-def picture(env: Any, image: Image, plan: Plan | None, trail_m: Any, moving: Moving) -> Image:
-    """(H, W, 3) what is seen, beside the road from above."""
-    drawn = image if plan is None else overlay.draw(image, plan, env.camera)
+def picture(drawn: Redrawing, moment: Moment, moving: Moving) -> Image:
+    """(H, W, 3) the driver's view, beside the road from above."""
+    view = moment.image if moment.plan is None else overlay.draw(moment.image, moment.plan, drawn.camera)
     if moving.beside:
-        return np.hstack([small(image, "camera", moving), small(drawn, "driver", moving)])
-    pose = np.array([*trail_m[-1], env.ego.heading])
-    objects = tuple(rectangle_of(one) for one in solid_objects(env.ego))
-    above = top_view.draw(scene_of(env), objects, trail_m, pose, None, *ABOVE_PX)
-    return np.hstack([small(drawn, "", moving), above])
+        return np.hstack([small(moment.image, "camera", moving), small(view, "driver", moving)])
+    table, now = drawn.table, moment.index
+    trail, pose = table.positions_m[: now + 1], np.array([*table.positions_m[now], table.yaw_rad[now]])
+    above = top_view.draw(drawn.scene, moment.objects, trail, pose, None, *ABOVE_PX)
+    return np.hstack([small(view, "", moving), above])
 
 
 def small(image: Image, words: str, moving: Moving) -> Image:
@@ -159,7 +129,9 @@ def draw(shown: page.Shown, target: Path, moving: Moving) -> page.Drive:
     with one_thread():
         done = arriving(shown)
         target.write_bytes(webp([*shots(shown, done, moving)], moving.quality))
-    return done.drive
+    record = done.record
+    time_s = round(float(done.steps.time_s[-1]), 1)
+    return page.Drive(record.driver, record.seed, record.status, record.collided_with or "", time_s)
 
 
 def main(names: Sequence[str]) -> None:
