@@ -95,7 +95,7 @@ def _frame(run: StoredRun, episode: str) -> Image:
     nearest = int(np.argmin(drawn.table.clearance_m))
     index = max(0, nearest - round(BEFORE_S * drawn.rate_hz))
     moment = next(one for one in drawn.moments() if one.index >= index and one.image.size)
-    shown = moment.image if moment.plan is None else overlay.draw(moment.image, moment.plan, drawn.camera)
+    shown = overlay.draw(moment.image, moment.plan, drawn.camera)
     return np.asarray(cv2.resize(shown, SIZE_PX, interpolation=cv2.INTER_AREA), np.uint8)
 
 

@@ -98,7 +98,7 @@ def shots(shown: page.Shown, done: EpisodeResult, moving: Moving) -> Iterator[Im
 
 def picture(drawn: Redrawing, moment: Moment, moving: Moving) -> Image:
     """(H, W, 3) the driver's view, beside the road from above."""
-    view = moment.image if moment.plan is None else overlay.draw(moment.image, moment.plan, drawn.camera)
+    view = overlay.draw(moment.image, moment.plan, drawn.camera)
     if moving.beside:
         return np.hstack([small(moment.image, "camera", moving), small(view, "driver", moving)])
     table, now = drawn.table, moment.index

@@ -92,9 +92,8 @@ def picture(result: EpisodeResult, inputs: RunInputs, time_s: float | None) -> P
         drawn = Redrawing(result.record, result.steps, replan=True, inputs=inputs)
         for moment in drawn.moments():
             if moment.index == row:
-                plan = moment.plan
                 _say(drawn)
-                return Picture(moment.image if plan is None else overlay.draw(moment.image, plan, drawn.camera))
+                return Picture(overlay.draw(moment.image, moment.plan, drawn.camera))
     raise AssertionError("every row of the steps has a frame")
 
 

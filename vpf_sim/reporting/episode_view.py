@@ -157,7 +157,7 @@ def ending(drawn: Redrawing) -> str:
 
 def _compose(drawn: Redrawing, moment: Moment, strips: Strips) -> Image:
     camera, table = drawn.camera, drawn.table
-    picture = moment.image if moment.plan is None else overlay.draw(moment.image, moment.plan, camera)
+    picture = overlay.draw(moment.image, moment.plan, camera)
     row = moment.index
     pose = np.array([table.x_m[row], table.y_m[row], table.yaw_rad[row]])
     trail = table.positions_m[: row + 1]

@@ -47,8 +47,10 @@ class Label(NamedTuple):
         return not beside and abs(self.base_px - other.base_px) < LABEL_ROW_PX * unit
 
 
-def draw(frame_rgb: Image, plan: Plan, camera: Camera) -> Image:
-    """A copy of an (H, W, 3) RGB frame of any camera, with the plan drawn in."""
+def draw(frame_rgb: Image, plan: Plan | None, camera: Camera) -> Image:
+    """A copy of an (H, W, 3) RGB frame of any camera, with the plan drawn in; without a plan the frame itself."""
+    if plan is None:
+        return frame_rgb
     canvas = Canvas(frame_rgb.copy(), camera)
     if isinstance(plan.extra, MotionPlan):
         draw_motion(canvas, plan.extra)

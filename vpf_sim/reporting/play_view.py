@@ -72,8 +72,7 @@ class PlayView(View):
         frame = observation.image
         if self._is_on[OVERLAY_KEY]:
             drivers.command_of(self._seen_by, observation)
-            plan = drivers.trace_of(self._seen_by)
-            frame = frame if plan is None else overlay.draw(frame, plan, self._setup.camera)
+            frame = overlay.draw(frame, drivers.trace_of(self._seen_by), self._setup.camera)
         canvas = Canvas(frame.copy(), self._setup.camera)
         words = [f"{KMPH_PER_MPS * observation.speed_mps:.0f} km/h", f"{observation.time_s:.1f} s"]
         if self._ghost is not None and self._is_on[GHOST_KEY]:

@@ -169,7 +169,7 @@ def _drawn(sink: Callable[[Image], None], camera: Camera) -> Watcher:
     def show(frame: Image, plan: Plan | None) -> None:
         from vpf_sim.reporting import overlay
 
-        sink(frame if plan is None else overlay.draw(frame, plan, camera))
+        sink(overlay.draw(frame, plan, camera))
 
     return show
 
