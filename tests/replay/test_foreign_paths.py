@@ -16,7 +16,7 @@ WRITTEN: dict[str, Callable[[str], str]] = {
     "dotted": lambda path: f"./{path}",
     "backslashes": lambda path: path.replace("/", "\\"),
     "another system": lambda path: "C:\\Users\\me\\drive\\" + path.replace("/", "\\"),
-    "another machine": lambda path: f"/home/other/drive/{path}",
+    "another machine": lambda path: f"/elsewhere/drive/{path}",
     "a share": lambda path: "\\\\server\\drives\\" + path.replace("/", "\\"),
     "a folder beside": lambda path: f"../drive/{path}",
 }
@@ -43,7 +43,7 @@ def test_paths_are_resolved_relative_to_the_table(written: str, tmp_path: Path) 
 def test_image_in_another_folder_is_found_by_unique_name(tmp_path: Path) -> None:
     layouts.pictures(tmp_path / "moved" / "here", ["1.jpg", "2.jpg"])
     layouts.pictures(tmp_path / "copies", ["2.jpg"])
-    found = image_files.resolve_all(tmp_path, ["/home/other/center/1.jpg", "/home/other/center/2.jpg"], [".jpg"])
+    found = image_files.resolve_all(tmp_path, ["/elsewhere/center/1.jpg", "/elsewhere/center/2.jpg"], [".jpg"])
     assert found == [tmp_path / "moved/here/1.jpg", tmp_path / "center/2.jpg"]
 
 
@@ -54,7 +54,7 @@ def test_odd_paths_in_a_table_do_not_raise(path: str, tmp_path: Path) -> None:
 
 
 def test_missing_images_are_reported_and_signals_read(tmp_path: Path) -> None:
-    names = [f"/home/other/center/{stamp}.jpg" for stamp in STAMPS]
+    names = [f"/elsewhere/center/{stamp}.jpg" for stamp in STAMPS]
     (tmp_path / "interpolated.csv").write_text(table(names, "filename").replace(",lat,long", ",a,b"))
     recording = readers.read(tmp_path)
     assert f"6 of 6 images are missing, the first is center/{STAMPS[0]}.jpg" in recording.no_images

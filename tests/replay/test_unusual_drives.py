@@ -114,13 +114,11 @@ def replayed(drive: Drive, folder: Path, capsys: pytest.CaptureFixture[str]) -> 
     return record, frame_table.read(out / "frames" / f"{record['name']}.parquet")
 
 
-def check_commands(drive: Drive, record: Any, table: frame_table.FrameTable) -> None:
-    """Every frame has a finite command within its limits."""
+def frames_with_commands(record: Any, table: frame_table.FrameTable) -> int:
+    """The number of frames with a finite command within its limits, of a drive that did not fail."""
     assert record["error"] is None
-    assert len(table) == len(drive.images)
     commands = np.stack([table.throttle, table.steering])
-    assert np.isfinite(commands).all()
-    assert np.abs(commands).max() <= 1.0
+    return int(np.count_nonzero(np.all(np.abs(commands) <= 1.0, axis=0)))
 
 
 @pytest.mark.parametrize("change", UNUSUAL)
@@ -128,7 +126,8 @@ def test_every_frame_has_a_command(
     change: Callable[[Drive], Drive], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     drive = change(rendered_drive())
-    check_commands(drive, *replayed(drive, tmp_path / "drive", capsys))
+    record, table = replayed(drive, tmp_path / "drive", capsys)
+    assert len(table) == frames_with_commands(record, table) == len(drive.images)
 
 
 @pytest.mark.slow
@@ -140,7 +139,7 @@ def test_every_frame_of_a_recording_has_a_command_and_doubts_are_stated(
 ) -> None:
     drive = change(recorded_drive(name))
     record, table = replayed(drive, tmp_path / "drive", capsys)
-    check_commands(drive, record, table)
+    assert len(table) == frames_with_commands(record, table) == len(drive.images)
     doubts = dict(record["warnings"])
     if record["perception"]["road_found_share"] < 0.9:
         assert "lane" in doubts
