@@ -115,7 +115,7 @@ def _as_written(kind: type) -> Iterator[Parameters]:
     """A class of cars as its source says, while an environment is made; yields the cars' parameters, final at the end.
 
     highway-env's intersection sets parameters of its traffic on the class, and so of all traffic in the process. An
-    episode must not depend on the environments before it, whoever made them.
+    episode must not depend on environments that were made before it, by the user or by this project.
     """
     found, parameters = _parameters(vars(kind)), Parameters()
     for base in reversed(kind.__mro__):

@@ -1,4 +1,4 @@
-"""The driver that is cloned, whose labels say what to do now, whoever drove before."""
+"""The driver that is cloned. Its labels say what to do now, also where the network drove until now."""
 
 from math import atan
 

@@ -170,18 +170,18 @@ def test_the_same_frames_give_the_same_flow() -> None:
     assert first.displacement_px.tobytes() == second.displacement_px.tobytes()
 
 
-def test_corners_on_the_glass_are_told_from_those_that_move_and_take_no_place() -> None:
-    """A picture that moves down by 3 px a frame, as a car 0.1 m on at 1.4 m may see it; spots that stay."""
+def test_corners_on_the_glass_are_kept_apart_from_those_that_move_and_take_no_place() -> None:
+    """A picture that moves down by 3 px a frame, as a car 0.1 m on at 1.4 m may see it; drops that stay."""
     picture, rng = texture("behind glass"), stream(12, "spots")
-    spots = rng.uniform([60.0, 300.0], [580.0, 400.0], (30, 2))
+    drops = rng.uniform([60.0, 300.0], [580.0, 400.0], (30, 2))
     tracker, counts = FlowTracker(CAMERA, ROBUST, 30.0), []
     for k in range(20):
         frame = moved(picture, 0.0, 3.0 * k)
-        for x, y in spots:
+        for x, y in drops:
             cv2.circle(frame, (int(x), int(y)), 6, 255, -1)
         flow = tracker.update(frame, np.array([0.15 * k, 0.0, 0.0]))
         counts.append(np.count_nonzero(~flow.on_glass))
-    distance = np.min(np.hypot(*(flow.points_px[:, None] - spots).T), axis=0)
+    distance = np.min(np.hypot(*(flow.points_px[:, None] - drops).T), axis=0)
     followed = np.abs(np.hypot(*flow.displacement_px.T)) > 3.0
     assert np.count_nonzero(flow.on_glass) > 10
     assert np.all(distance[flow.on_glass] < 15.0)  # radius of a spot, half a window and the corner between

@@ -49,9 +49,9 @@ def errors_px(flow: Flow) -> np.ndarray:
     return np.hypot(*(flow.points_px - flow.first_px - np.outer(flow.age_frames, STEP)).T)
 
 
-def survivors(told: list[Flow]) -> float:
+def survivors(tracked: list[Flow]) -> float:
     """Share of the points seen before the blade came that are followed rightly when it has gone."""
-    before, after = told[FIRST - 1], told[-1]
+    before, after = tracked[FIRST - 1], tracked[-1]
     inside = (before.points_px[:, 0] < 620.0) & (before.points_px[:, 1] < 330.0)  # will not have left the bands
     right = after.identity[errors_px(after) < 0.5]
     return float(np.mean(np.isin(before.identity[inside], right)))
@@ -64,10 +64,10 @@ def test_points_are_followed_beneath_a_wiper() -> None:
     assert survivors(flows(FlowTracker(CAMERA, ROBUST, 60.0), frames)) < 0.6
 
 
-def test_no_point_is_taken_along_nor_told_while_it_is_covered() -> None:
+def test_no_point_is_carried_along_or_reported_while_it_is_occluded() -> None:
     picture = texture("wiper")
-    told = flows(FlowTracker(CAMERA, HELD, 60.0), [swept(picture, k) for k in range(FRAMES)])
-    for k, flow in enumerate(told[FIRST:], FIRST):
+    tracked = flows(FlowTracker(CAMERA, HELD, 60.0), [swept(picture, k) for k in range(FRAMES)])
+    for k, flow in enumerate(tracked[FIRST:], FIRST):
         old = flow.age_frames > 1
         assert np.mean(errors_px(flow)[old] < 0.5) > 0.9, f"frame {k}"
         middle = blade_px(k)
@@ -78,14 +78,14 @@ def test_no_point_is_taken_along_nor_told_while_it_is_covered() -> None:
 
 def test_the_motion_over_the_window_is_right_for_points_that_come_back() -> None:
     picture = texture("wiper")
-    told = flows(FlowTracker(CAMERA, HELD, 60.0), [swept(picture, k) for k in range(FRAMES)])
-    for flow in told[LAST + 1 : LAST + 5]:
+    tracked = flows(FlowTracker(CAMERA, HELD, 60.0), [swept(picture, k) for k in range(FRAMES)])
+    for flow in tracked[LAST + 1 : LAST + 5]:
         expected = np.outer(flow.gap_s * 60.0, STEP)
         assert np.percentile(np.hypot(*(flow.displacement_px - expected).T), 95) < 0.3
 
 
 def test_the_motion_is_right_for_points_that_did_not_come_back_where_they_were_expected() -> None:
-    """The picture grows ever faster about its middle: each point's motion changes while it is covered."""
+    """The picture grows ever faster about its middle: each point's motion changes while it is occluded."""
     picture, middle = texture("growing"), np.array([319.5, 239.5])
 
     def scale(k: float) -> float:
@@ -95,21 +95,21 @@ def test_the_motion_is_right_for_points_that_did_not_come_back_where_they_were_e
         matrix = np.column_stack([scale(k) * np.eye(2), middle - scale(k) * (middle + 100.0)])
         return cv2.warpAffine(picture, matrix, (640, 480), flags=cv2.INTER_LINEAR).astype(np.uint8)
 
-    def errors_px(told: list[Flow], chosen: np.ndarray) -> np.ndarray:
+    def errors_px(tracked: list[Flow], chosen: np.ndarray) -> np.ndarray:
         errors = []
         for k in range(FIRST + 2, LAST + 7):
-            flow, kept = told[k], np.isin(told[k].identity, chosen)
+            flow, kept = tracked[k], np.isin(tracked[k].identity, chosen)
             shrunk = np.array([scale(before) / scale(k) for before in k - np.rint(flow.gap_s * 60.0)])
             error = flow.displacement_px - (flow.points_px - middle) * (1.0 - shrunk[:, None])
             errors.append(np.hypot(*error[kept].T))
         return np.concatenate(errors)
 
-    told = flows(FlowTracker(CAMERA, HELD, 60.0), [behind_blade(grown(k), k) for k in range(FRAMES)])
+    tracked = flows(FlowTracker(CAMERA, HELD, 60.0), [behind_blade(grown(k), k) for k in range(FRAMES)])
     clear = flows(FlowTracker(CAMERA, HELD, 60.0), [grown(k) for k in range(FRAMES)])
-    covered = np.unique(np.concatenate([flow.occluded for flow in told]))
-    came_back = np.intersect1d(covered, told[-1].identity)
+    occluded = np.unique(np.concatenate([flow.occluded for flow in tracked]))
+    came_back = np.intersect1d(occluded, tracked[-1].identity)
     assert len(came_back) > 50
-    assert np.percentile(errors_px(told, came_back), 90) < np.percentile(errors_px(clear, came_back), 90) + 0.1
+    assert np.percentile(errors_px(tracked, came_back), 90) < np.percentile(errors_px(clear, came_back), 90) + 0.1
 
 
 def test_a_trail_leads_evenly_to_where_a_point_is_seen_again() -> None:
@@ -133,11 +133,11 @@ def test_what_the_check_forward_and_backward_refuses_is_no_wiper() -> None:
         for k in range(9)
     ]
     plain = replace(ROBUST, forward_backward_px=0.5)
-    told = flows(FlowTracker(CAMERA, plain, 10.0), frames)
-    kept = [np.mean(np.isin(before.identity, after.identity)) for before, after in pairwise(told[1:])]
+    tracked = flows(FlowTracker(CAMERA, plain, 10.0), frames)
+    kept = [np.mean(np.isin(before.identity, after.identity)) for before, after in pairwise(tracked[1:])]
     assert max(kept) < 0.9
     for one, other in zip(
-        told, flows(FlowTracker(CAMERA, replace(plain, wiper=VARIANT.flow.wiper), 10.0), frames), strict=True
+        tracked, flows(FlowTracker(CAMERA, replace(plain, wiper=VARIANT.flow.wiper), 10.0), frames), strict=True
     ):
         assert len(other.occluded) == 0
         assert len(other) >= 0.9 * len(one)
@@ -153,9 +153,9 @@ def test_a_sweep_ends_where_its_last_point_leaves_the_picture() -> None:
         if k % 9 == 0:
             frame[200:230, x : x + 60] = 110  # something covers half of it for a moment
         frames.append(moved(scene, 0.5 * k - 60.0, 0.0) if k > 90 else frame)
-    told = flows(FlowTracker(CAMERA, HELD, 60.0), frames)
-    assert any(len(flow.occluded) for flow in told)
-    assert len(told[-1]) > 200
+    tracked = flows(FlowTracker(CAMERA, HELD, 60.0), frames)
+    assert any(len(flow.occluded) for flow in tracked)
+    assert len(tracked[-1]) > 200
 
 
 @pytest.mark.parametrize("change", ["brightness", "jolt"])
@@ -180,8 +180,8 @@ def test_the_search_ends_with_what_the_blade_has_wiped_away() -> None:
     for k in range(FIRST, len(frames)):
         wiped = int(min(blade_px(k) or 640.0, 330.0))
         frames[k][:, :wiped] = swept(second, k)[:, :wiped]
-    told = flows(FlowTracker(CAMERA, HELD, 60.0), frames)
-    before, after = told[FIRST - 1], told[-1]
+    tracked = flows(FlowTracker(CAMERA, HELD, 60.0), frames)
+    before, after = tracked[FIRST - 1], tracked[-1]
     gone = before.identity[before.points_px[:, 0] < 280.0]
     assert np.mean(np.isin(gone, after.identity)) < 0.1
     assert np.count_nonzero(after.points_px[:, 0] < 280.0) > 0.7 * len(gone)

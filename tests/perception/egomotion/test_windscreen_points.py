@@ -49,22 +49,22 @@ def test_the_road_moves_exactly_so() -> None:
     np.testing.assert_allclose(by_way + by_turn, now - before, atol=1e-6)
 
 
-def test_spots_on_the_glass_are_found_where_scenery_would_have_moved() -> None:
+def test_drops_on_the_glass_are_found_where_scenery_would_have_moved() -> None:
     rng = stream(1, "spots")
-    spots = rng.uniform([0.0, 0.0], [640.0, 480.0], (400, 2))
+    drops = rng.uniform([0.0, 0.0], [640.0, 480.0], (400, 2))
     past = np.tile([-3.0, 0.0, 0.0], (400, 1))
-    found = on_glass(CAMERA, spots, spots + rng.normal(0.0, 0.15, (400, 2)), past, HERE, CONFIG)
-    far = np.abs(spots[:, 1] - CAMERA.cy_px) < 15.0  # near the horizon the scene hardly moves
-    assert found[spots[:, 1] > CAMERA.cy_px + 60.0].all()
-    assert not found[far & (np.abs(spots[:, 0] - CAMERA.cx_px) < 60.0)].any()
+    found = on_glass(CAMERA, drops, drops + rng.normal(0.0, 0.15, (400, 2)), past, HERE, CONFIG)
+    far = np.abs(drops[:, 1] - CAMERA.cy_px) < 15.0  # near the horizon the scene hardly moves
+    assert found[drops[:, 1] > CAMERA.cy_px + 60.0].all()
+    assert not found[far & (np.abs(drops[:, 0] - CAMERA.cx_px) < 60.0)].any()
     assert found.mean() > 0.7
 
 
-def test_nothing_is_stuck_while_the_car_stands() -> None:
-    spots = stream(2, "spots").uniform([0.0, 0.0], [640.0, 480.0], (100, 2))
-    assert not on_glass(CAMERA, spots, spots, np.tile(HERE, (100, 1)), HERE, CONFIG).any()
+def test_nothing_is_on_the_glass_while_the_car_stands() -> None:
+    drops = stream(2, "spots").uniform([0.0, 0.0], [640.0, 480.0], (100, 2))
+    assert not on_glass(CAMERA, drops, drops, np.tile(HERE, (100, 1)), HERE, CONFIG).any()
 
 
-def test_a_turn_alone_gives_spots_away() -> None:
-    spots = stream(3, "spots").uniform([0.0, 0.0], [640.0, 480.0], (100, 2))
-    assert on_glass(CAMERA, spots, spots, np.tile([0.0, 0.0, -0.05], (100, 1)), HERE, CONFIG).all()
+def test_a_turn_alone_shows_drops() -> None:
+    drops = stream(3, "spots").uniform([0.0, 0.0], [640.0, 480.0], (100, 2))
+    assert on_glass(CAMERA, drops, drops, np.tile([0.0, 0.0, -0.05], (100, 1)), HERE, CONFIG).all()
