@@ -168,7 +168,7 @@ def test_the_default_rules_are_for_the_scenarios_of_the_gate(
         ("gate-course", "clear", {"min_clearance_m": 0.3}, "clearance_m_at_least 0.4"),
         ("gate-traffic", "rain", {"min_clearance_m": 0.1}, "clearance_m_at_least 0.2"),
         ("gate-traffic", "clear", {"perception": {"objects": {"precision": 0.3}}}, "precision_at_least 0.35"),
-        ("gate-course", "rain", {"perception": {"objects": {"precision": 0.6}}}, "precision_at_least 0.7"),
+        ("gate-course", "rain", {"perception": {"objects": {"precision": 0.5}}}, "precision_at_least 0.6"),
         ("gate-course", "clear", {"status": "collision", "collisions": 1}, "success_rate_at_least 1"),
     ],
 )
