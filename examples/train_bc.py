@@ -34,7 +34,9 @@ MANIFEST = Manifest(
     schema=1,
     rate_hz=20.0,
     summary="a small network that was cloned from a driver with privilege",
-    image=PictureInput(width_px=160, height_px=64, frames_ago=(16, 6, 3, 0), crop=Crop(top_share=0.46666666666666667)),
+    image=PictureInput(
+        width_px=160, height_px=64, frames_ago=(40, 20, 8, 3, 0), crop=Crop(top_share=0.46666666666666667)
+    ),
     state=StateInput(values=("speed",)),
 )
 

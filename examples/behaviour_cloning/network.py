@@ -5,7 +5,7 @@ from itertools import pairwise
 import torch
 from torch import Tensor, nn
 
-WIDTHS = (12, 24, 48, 64)  # channels of the convolutions, each of which halves the picture
+WIDTHS = (16, 32, 48, 64)  # channels of the convolutions, each of which halves the picture
 HIDDEN = 128
 SCALES = (0.3, 0.05)  # of throttle and steering: errors that count alike
 LEAST_DEVIATION = 0.01  # in these scales
