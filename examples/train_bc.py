@@ -8,13 +8,18 @@ It needs `pip install 'vpf_sim[learn,onnx]'`. docs/learning.md explains the meth
 """
 
 import argparse
+import sys
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
-import torch
+
+try:
+    import torch
+except ModuleNotFoundError as missing:
+    sys.exit(f"train_bc.py: {missing}: pip install 'vpf_sim[learn,onnx]'")
 
 from behaviour_cloning import scenes
 from behaviour_cloning.collect import Drive, Settings, collect

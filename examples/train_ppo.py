@@ -8,6 +8,7 @@ It needs `pip install 'vpf_sim[learn]'`. PPO is Stable-Baselines3's; the throttl
 """
 
 import argparse
+import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import product
@@ -18,14 +19,18 @@ from typing import Any
 import cv2
 import gymnasium
 import numpy as np
-import torch
 from gymnasium import spaces
-from stable_baselines3 import PPO
-from stable_baselines3.common.env_util import make_vec_env
-from stable_baselines3.common.logger import configure
-from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
-from stable_baselines3.common.vec_env import SubprocVecEnv
-from torch import Tensor, nn
+
+try:
+    import torch
+    from stable_baselines3 import PPO
+    from stable_baselines3.common.env_util import make_vec_env
+    from stable_baselines3.common.logger import configure
+    from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
+    from stable_baselines3.common.vec_env import SubprocVecEnv
+    from torch import Tensor, nn
+except ModuleNotFoundError as missing:
+    sys.exit(f"train_ppo.py: {missing}: pip install 'vpf_sim[learn,onnx]'")
 
 from behaviour_cloning.export import commit, export
 from vpf_sim.drivers.learned.familiarity import learned_from

@@ -71,7 +71,7 @@ _REGISTRY: dict[str, _Entry] = {
         "tracked obstacles and road, lateral cost, sliding mode (variant robust)",
     ),
     "vpf-scene": _Entry(
-        SceneDriver, "none", "the coming form of vpf: its perception fills a scene, planned in space and time"
+        SceneDriver, "none", "a scene of road and tracks by camera, planned in space and time as expert plans"
     ),
     "vpf-paper": _Entry(
         lambda: VisionDriver("paper"), "none", "the paper's method with the fewest repairs that make it run"

@@ -1,4 +1,4 @@
-"""The coming form of `vpf`: what its camera perceives as a scene, and the planner in space and time on it."""
+"""The camera's perception of `vpf` as a scene of road and tracks, and the planner in space and time on it."""
 
 from dataclasses import replace
 
