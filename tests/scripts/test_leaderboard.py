@@ -1,15 +1,15 @@
 """The leaderboard's page: ranks, what is refused, and what a verification says."""
 
 import json
-import subprocess
-import sys
 from collections.abc import Mapping
 from hashlib import sha256
 from pathlib import Path
+from subprocess import CompletedProcess
 from typing import Any
 
 import pytest
 import stored
+from run_script import run_script
 
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.sweeps.plan import Plan
@@ -30,10 +30,10 @@ def enter(folder: Path, driver: str, lost: Mapping[Job, Mapping[str, Any]], left
     return run
 
 
-def made(folder: Path, *runs: Path) -> subprocess.CompletedProcess[str]:
+def made(folder: Path, *runs: Path) -> "CompletedProcess[str]":
     (folder / "plan.toml").write_text(PLAN)
     options = ["--plan", str(folder / "plan.toml"), "--out", str(folder / "page.md"), "--no-sizes"]
-    return subprocess.run([sys.executable, SCRIPT, *runs, *options], capture_output=True, text=True, check=False)
+    return run_script(SCRIPT, *runs, *options)
 
 
 def rows_of(folder: Path, *runs: Path) -> list[list[str]]:

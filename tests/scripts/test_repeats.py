@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from run_script import run_script
 
 SCRIPTS = Path(__file__).parents[2] / "scripts"
 
@@ -19,8 +20,7 @@ def test_repeated_sweeps_are_equal_and_verified(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("script", ["repeat_sweeps.py", "kill_sweeps.py"])
 def test_a_folder_that_exists_is_refused_in_one_line(script: str, tmp_path: Path) -> None:
-    command = [sys.executable, str(SCRIPTS / script), "--out", str(tmp_path)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = run_script(SCRIPTS / script, "--out", tmp_path)
     assert done.returncode == 2
     assert done.stderr.splitlines()[-1] == f"{script}: error: --out: expected a new folder, got {tmp_path}"
     assert "Traceback" not in done.stderr

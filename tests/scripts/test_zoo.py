@@ -1,29 +1,30 @@
 """The zoo's page is made from run folders and manifests."""
 
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 import stored
+from run_script import run_script
 
 import vpf_sim
 from vpf_sim import drivers
 from vpf_sim.drivers.learned import manifest
 from vpf_sim.evaluation.sweeps.plan import Plan
 
-ROOT = Path(__file__).parents[2]
-sys.path.append(str(ROOT / "scripts"))
+SCRIPT = Path(__file__).parents[2] / "scripts" / "zoo.py"
+sys.path.append(str(SCRIPT.parent))
 
 from zoo import curve  # noqa: E402
 
 
 def made(folder: Path, *runs: Path) -> str:
-    options = ["--out", folder / "zoo.md", "--pictures", folder / "pictures"]
-    subprocess.run([sys.executable, ROOT / "scripts" / "zoo.py", *runs, *options], check=True, capture_output=True)
+    done = run_script(SCRIPT, *runs, "--out", folder / "zoo.md", "--pictures", folder / "pictures")
+    assert done.returncode == 0, done.stderr
     return (folder / "zoo.md").read_text("utf-8")
 
 
+@pytest.mark.usefixtures("in_one_process")
 def test_the_page_has_a_row_a_driver_with_the_results_of_the_run(tmp_path: Path) -> None:
     plan = Plan(("crossing",), ("clear", "rain"), ("learned-bc", "pid"), "7:9")
     lost = {"status": "collision", "driving_score_2_1": 0.0}
@@ -47,6 +48,7 @@ def test_the_page_has_a_row_a_driver_with_the_results_of_the_run(tmp_path: Path)
     )
 
 
+@pytest.mark.usefixtures("in_one_process")
 def test_the_picture_is_of_the_run(tmp_path: Path) -> None:
     run = vpf_sim.sweep("straight", driver="pid", seeds="3:4", out=tmp_path / "run", workers=1, progress=False)
     text = made(tmp_path, Path(str(run.path)))
@@ -58,8 +60,7 @@ def test_pictures_that_are_not_below_the_page_are_refused_in_one_line(tmp_path: 
     plan = Plan(("crossing",), ("clear",), ("pid",), "7:8")
     run = stored.store(tmp_path / "run", plan, [stored.record(job) for job in plan.jobs()])
     options = ["--out", tmp_path / "docs" / "zoo.md", "--pictures", tmp_path / "elsewhere"]
-    command = [sys.executable, ROOT / "scripts" / "zoo.py", run, *options]
-    done = subprocess.run(command, check=False, capture_output=True, text=True)
+    done = run_script(SCRIPT, run, *options)
     assert done.returncode == 1
     assert done.stderr.startswith("zoo.py: --pictures: expected a folder below")
     assert len(done.stderr.splitlines()) == 1

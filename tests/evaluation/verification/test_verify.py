@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from one_process import one_process
 from short_scenario import SHORT
 from weighted_driver import WEIGHT
 
@@ -32,7 +33,7 @@ def honest(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of a driver with one weight: seeds 0 and 2 arrive, seed 1 starts beside the road and leaves it."""
     root = tmp_path_factory.mktemp("project")
     (root / NAME).write_text(SHORT.replace("s_m = 11.0", "s_m = 6.0"))
-    with pytest.MonkeyPatch.context() as patch:
+    with pytest.MonkeyPatch.context() as patch, one_process():
         patch.chdir(root)
         sweep(root / "run")
         patch.setenv(WEIGHT, "0.02")
@@ -76,6 +77,7 @@ def test_an_honest_run_is_verified_wherever_it_lies(run: Path, capsys: pytest.Ca
     assert said.endswith("verified\n")
 
 
+@pytest.mark.usefixtures("in_one_process")
 def test_a_run_that_compares_drivers_is_verified_in_any_order_of_theirs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -110,6 +112,7 @@ def test_a_loss_that_is_called_a_success_is_found(run: Path, capsys: pytest.Capt
     assert found["found"].endswith("of the route")
 
 
+@pytest.mark.usefixtures("in_one_process")
 def test_an_episode_driven_with_other_weights_is_found(
     honest: Path, run: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -155,6 +158,7 @@ def test_a_record_that_stands_twice_or_is_not_planned_is_found(run: Path, capsys
     assert verified(run, capsys, "--share", "0")["mismatch"]["episode"] == stranger["id"]
 
 
+@pytest.mark.usefixtures("in_one_process")
 def test_edited_steps_with_hashes_made_again_are_found(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = run / "steps" / f"{JOBS[0].id}.parquet"
     table = steps.read(file)
@@ -168,6 +172,7 @@ def test_edited_steps_with_hashes_made_again_are_found(run: Path, capsys: pytest
     assert "edited" in found["cause"]
 
 
+@pytest.mark.usefixtures("in_one_process")
 def test_another_version_is_named_as_the_cause(honest: Path, run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     manifest = json.loads((run / "manifest.json").read_text())
     manifest["fingerprint"]["source"] = 64 * "0"
@@ -186,6 +191,7 @@ def test_an_edited_scenario_is_found(run: Path, capsys: pytest.CaptureFixture[st
     assert found["quantity"] == f"scenario {NAME}"
 
 
+@pytest.mark.usefixtures("in_one_process")
 def test_without_steps_every_episode_is_to_be_driven_again(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     shutil.rmtree(run / "steps")
     found = verified(run, capsys, "--seed", "1")["mismatch"]
