@@ -5,7 +5,8 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
-from functools import cache
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 
 import pytest
@@ -90,7 +91,9 @@ def printed(core: Path, code: str, environment: Mapping[str, str] | None = None)
     return done.stdout
 
 
-@cache
 def installed(code: str) -> str:
-    """What code prints with the core in use."""
-    return printed(Path(_core.__file__), code)
+    """What code prints with the core in use, which is that of this process."""
+    out = StringIO()
+    with redirect_stdout(out):
+        exec(code, {"module": _core})
+    return out.getvalue()

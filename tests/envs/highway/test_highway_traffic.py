@@ -17,9 +17,14 @@ from vpf_sim.types import Camera
 
 SMALL = Rig(camera=Camera(96, 72))
 DRIVES = """
-import vpf_sim
+import numpy as np
+from vpf_sim.envs.four_lane import FourLane
 for name in ("two-way-v0", "intersection-v1", "two-way-v0"):
-    print(vpf_sim.drive(name, driver="pid", seed=2).record["states_sha256"])
+    env = FourLane(name, frames=False, rate_hz=20.0)
+    env.reset(seed=2)
+    for _ in range(60):
+        env.advance(np.array([0.2, 0.0]))
+    print("".join(vehicle.position.tobytes().hex() for vehicle in env.road.vehicles))
 """
 
 

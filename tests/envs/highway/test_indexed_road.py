@@ -47,7 +47,7 @@ def assert_equal(name: str, seed: int, seconds: float, **config: Any) -> list[St
 
 @pytest.mark.parametrize("name", ROADS)
 def test_all_states_are_highway_envs(name: str) -> None:
-    assert_equal(name, 0, 3.0)
+    assert_equal(name, 0, 2.0)
 
 
 @pytest.mark.slow
@@ -71,8 +71,8 @@ def test_lane_changes_and_contacts_are_highway_envs() -> None:
     ],
 )
 def test_options_of_the_traffic_keep_its_states(config: dict[str, Any]) -> None:
-    assert_equal("intersection-v1", 2, 3.0, **config)
-    assert_equal("merge-v0", 2, 3.0, **config)
+    assert_equal("intersection-v1", 2, 2.0, **config)
+    assert_equal("merge-v0", 2, 2.0, **config)
 
 
 def test_roads_that_others_make_are_left_alone() -> None:
