@@ -103,6 +103,7 @@ def test_an_episode_that_never_began_shows_its_error(short: Path) -> None:
             view()
 
 
+@pytest.mark.usefixtures("in_one_process")
 def test_the_episodes_of_a_run_are_those_that_were_driven(
     short: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

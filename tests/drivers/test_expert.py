@@ -10,16 +10,20 @@ from vpf_sim.errors import InputError
 from vpf_sim.types import Camera, VehicleModel
 
 
-@pytest.mark.parametrize("scenario", ["crossing", "roundabout-v0"])
-def test_it_arrives_where_others_cross(scenario: str) -> None:
-    """Of those who only keep their lane, as `idm` does, none gets through `crossing`."""
-    record = vpf_sim.drive(scenario, driver="expert", seed=4).record
-    assert record["status"] == "success"
-    assert record["min_clearance_m"] > 0.2
+@pytest.fixture(scope="module")
+def crossing() -> vpf_sim.Episode:
+    """Of those who only keep their lane, as `idm` does, none gets through."""
+    return vpf_sim.drive("crossing", driver="expert", seed=4)
 
 
-def test_each_frame_records_the_motion_and_why_others_were_rejected() -> None:
-    steps = vpf_sim.drive("crossing", driver="expert", seed=4).steps
+def test_it_arrives_where_others_cross(crossing: vpf_sim.Episode) -> None:
+    for record in (crossing.record, vpf_sim.drive("roundabout-v0", driver="expert", seed=4).record):
+        assert record["status"] == "success"
+        assert record["min_clearance_m"] > 0.2
+
+
+def test_each_frame_records_the_motion_and_why_others_were_rejected(crossing: vpf_sim.Episode) -> None:
+    steps = crossing.steps
     driven = steps[steps.throttle.notna()]
     assert driven.filter(regex="^(motion|rejected)_").notna().all(axis=None)
     near = driven.clearance_m < 6.0
