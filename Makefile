@@ -38,6 +38,8 @@ types: install
 
 # One thread each, as in the drives: numpy's own threads spin while tests run side by side.
 unit slow: export OPENBLAS_NUM_THREADS := 1
+# Compiled tests are kept for the next run and for the other worker, also where the surroundings forbid it.
+unit slow: export PYTHONDONTWRITEBYTECODE :=
 
 unit: install
 	$(BIN)/python -m pytest -n 2 --dist worksteal

@@ -38,7 +38,7 @@ def test_the_cloned_policy_has_not_seen_the_seeds_of_its_evaluation() -> None:
         ("learned-bc", "curve-left", "rain"),
         ("learned-bc", "curve-right", "clear"),
         ("learned-ppo", "curve-left", "clear"),
-        ("learned-ppo", "curve-left", "rain"),
+        pytest.param("learned-ppo", "curve-left", "rain", marks=pytest.mark.slow),
     ],
 )
 def test_it_follows_a_bend(driver: str, base: str, weather: str, tmp_path: Path) -> None:

@@ -54,7 +54,7 @@ def lane_centres(road: ET.Element, s: float, side: str) -> list[float]:
 def lane_points(road: ET.Element, side: str) -> Floats:
     """(N, lanes, 2) m in our axes, in the direction of the drive; only lanes that are there all along."""
     length_m = float(road.get("length", 0))
-    places = np.linspace(0.0, length_m, 5 + int(length_m / 5.0))[:: 1 if side == "right" else -1]
+    places = np.linspace(0.0, length_m, 5 + int(length_m / 20.0))[:: 1 if side == "right" else -1]
     centres = [lane_centres(road, s, side) for s in places]
     lanes = min(map(len, centres))
     rows = zip(places, centres, strict=True)
