@@ -34,7 +34,8 @@ def minari_set(driven: Driven, tmp_path_factory: pytest.TempPathFactory) -> Path
 
 @pytest.fixture(scope="session")
 def small_set(driven: Driven, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Minari's, small and grey, with ground truth, drawn in another process."""
+    """Minari's, small and grey, with ground truth."""
     truth = ("depth", "flow", "foe")
     out = tmp_path_factory.mktemp("sets") / "small"
-    return vpf_sim.export(driven.path, "minari", out=out, size=SIZE, grey=True, truth=truth, workers=1).path
+    with one_process():
+        return vpf_sim.export(driven.path, "minari", out=out, size=SIZE, grey=True, truth=truth, workers=1).path
