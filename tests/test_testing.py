@@ -13,7 +13,7 @@ DRIVER = """
 from vpf_sim import Command
 
 class Straight:
-    privileged = "none"
+    privileged, uses_images = "none", False
     def reset(self, setup): pass
     def act(self, observation): return Command(0.2, 0.0)
 

@@ -93,10 +93,8 @@ def run(words: list[str], folder: Path) -> str:
     return done.stdout
 
 
-SLOW = [pytest.param(page, id=page.stem, marks=pytest.mark.slow) for page in TUTORIALS[1:]]
-
-
-@pytest.mark.parametrize("page", [pytest.param(TUTORIALS[0], id="start"), *SLOW])
+@pytest.mark.slow
+@pytest.mark.parametrize("page", TUTORIALS, ids=lambda path: path.stem)
 def test_a_tutorial_runs_from_top_to_bottom_as_printed(page: Path, tmp_path: Path) -> None:
     printed = ""
     if not importlib.util.find_spec(OPTIONAL):

@@ -38,6 +38,7 @@ def compare(repository: Path, folder: Path, revision: str) -> subprocess.Complet
     return subprocess.run(command, cwd=folder, capture_output=True, text=True)
 
 
+@pytest.mark.slow
 def test_only_the_driver_whose_code_was_edited_differs(repository: Path, tmp_path: Path) -> None:
     file = repository / "vpf_sim" / "drivers" / "baselines.py"
     code = file.read_text()
