@@ -1,9 +1,11 @@
 """Tests run side by side: OpenCV has one thread, and worker processes start where a test needs them."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from one_process import one_process
+from short_scenario import write_short
 
 from vpf_sim.system import limit_opencv
 
@@ -15,3 +17,10 @@ def in_one_process() -> Iterator[None]:
     """Episodes of sweeps and exports run in the test's process, as in a worker of multiprocessing."""
     with one_process():
         yield
+
+
+@pytest.fixture
+def short(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The file of the shortest drive, in a folder of its own, which is the working directory."""
+    monkeypatch.chdir(tmp_path)
+    return write_short(tmp_path)

@@ -52,24 +52,10 @@ MAY_IMPORT["cli"] = MAY_IMPORT["api"] | {"replay", "gallery", "machine", "api"}
 MAY_IMPORT["testing"] = MAY_IMPORT["api"] | {"api"}
 PREFIX = "vpf_sim.evaluation."
 # The packages of the evaluation: each imports only what is at its left, and the modules beside them.
-EVALUATION = [
-    "metrics",
-    "truth",
-    "episode",
-    "sweeps",
-    "analysis",
-    "perception",
-    "gate",
-    "verification",
-]
+EVALUATION = ["metrics", "truth", "episode", "sweeps", "analysis", "perception", "gate", "verification"]
 # The sub-packages of perception and planning, and which of their neighbours each may import.
 SUBPACKAGES: dict[str, dict[str, set[str]]] = {
-    "perception": {
-        "egomotion": set(),
-        "road": set(),
-        "obstacles": {"egomotion", "road"},
-        "paper": {"egomotion"},
-    },
+    "perception": {"egomotion": set(), "road": set(), "obstacles": {"egomotion", "road"}, "paper": {"egomotion"}},
     "perception.obstacles": {"planar_parallax": set(), "moving": set()},
     "planning": {"paper": {"lane"}, "lane": set(), "spacetime": set(), "variants": set()},
     "planning.lane": {"speed": set()},

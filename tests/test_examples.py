@@ -48,8 +48,7 @@ def test_there_is_a_notebook_for_each_subject() -> None:
 
 
 @pytest.mark.parametrize(
-    "script",
-    [pytest.param(one, id=one.stem, marks=() if one.stem in QUICK else pytest.mark.slow) for one in SCRIPTS],
+    "script", [pytest.param(one, id=one.stem, marks=() if one.stem in QUICK else pytest.mark.slow) for one in SCRIPTS]
 )
 def test_an_example_prints_what_it_claims_and_leaves_nothing_behind(script: Path, tmp_path: Path) -> None:
     environment = {**os.environ, "MPLBACKEND": "agg"}

@@ -10,7 +10,6 @@ import cv2
 import numpy as np
 import pytest
 from little_room import limited
-from short_scenario import write_short
 
 import vpf_sim
 from vpf_sim.drivers import RouteDriver
@@ -38,12 +37,6 @@ class Ahead(vpf_sim.Driver):
 class Lost(Ahead):
     def act(self, observation: vpf_sim.Observation) -> vpf_sim.Command:  # noqa: ARG002
         raise KeyError("no such road")
-
-
-@pytest.fixture
-def short(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return write_short(tmp_path)
 
 
 def test_a_name_a_class_and_an_instance_drive_alike(short: Path) -> None:

@@ -49,12 +49,6 @@ class Speed(vpf_sim.Driver):
         return vpf_sim.Command(self.throttle, 0.0)
 
 
-@pytest.fixture
-def short(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return write_short(tmp_path)
-
-
 def sweep(short: Path, driver: Any, **options: Any) -> vpf_sim.Run:
     return vpf_sim.sweep(**{"scenario": short, "driver": driver, "seeds": "0:2", "progress": False, **options})
 

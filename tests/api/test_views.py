@@ -7,7 +7,6 @@ import av
 import cv2
 import numpy as np
 import pytest
-from short_scenario import write_short
 
 import vpf_sim
 from vpf_sim.reporting import overlay
@@ -32,12 +31,6 @@ class Lost(vpf_sim.Driver):
 
     def act(self, observation: vpf_sim.Observation) -> vpf_sim.Command:
         raise AssertionError(observation)
-
-
-@pytest.fixture
-def short(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return write_short(tmp_path)
 
 
 def test_a_picture_is_the_frame_of_its_time(short: Path, tmp_path: Path) -> None:

@@ -31,11 +31,7 @@ def coast(look: int) -> list[pygame.event.Event]:
 
 @pytest.mark.parametrize("command", ["play", "drive", "sweep"])
 def test_without_a_display_one_line_and_nothing_written(
-    command: str,
-    scenario: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    command: str, scenario: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     driver = [] if command == "play" else ["--driver", "keyboard"]

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from recorded_layouts import general
-from short_scenario import SHORT, write_short
+from short_scenario import SHORT
 
 import vpf_sim
 from vpf_sim import cli
@@ -14,12 +14,6 @@ from vpf_sim.evaluation.gate.checks import Check, listed
 from vpf_sim.reporting.run_data import open_run
 
 MOST_LINES = 20
-
-
-@pytest.fixture
-def short(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return write_short(tmp_path)
 
 
 def drive(capsys: pytest.CaptureFixture[str], scenario: Path, driver: str) -> str:

@@ -7,34 +7,10 @@ from pathlib import Path
 
 import pytest
 from gated_runs import run
+from malformed import PLAIN as SCENARIO
 
 from vpf_sim import cli
 
-SCENARIO = """
-schema = 1
-[road]
-lanes = 4
-lane_width_m = 3.5
-segments = [
-  {kind = "line", length_m = 60},
-  {kind = "clothoid", length_m = 30, end_radius_m = -100},
-  {kind = "arc", length_m = 80, radius_m = -100},
-]
-[[road.widths]]
-s_m = 40.0
-lanes_m = [3.5, 3.5, 3.5, 3.5]
-[[road.widths]]
-s_m = 100.0
-lanes_m = [3.5, 3.5, 3.5, 3.5]
-[goal]
-s_m = 165.0
-[[bodies]]
-kind = "car"
-s_m = 90.0
-lane = 2
-[vary]
-"bodies.lateral_m" = [-0.2, 0.3]
-"""
 PLACE = "goal.s_m: expected a place ahead of the ego and on the road, after 5 and up to 170 m, got"
 CHANGES = [
     ("lane_width_m", "lane_widht_m", "road.lane_widht_m: unknown key, did you mean 'lane_width_m'?"),
@@ -139,10 +115,7 @@ SWEEPS = [
 RULES = [
     ("", "rules: expected a value, got none"),
     ("[[rules]]", "rules[0]: expected a bound, such as success_rate_at_least, or no_worse_than, got none"),
-    (
-        "[[rules]]\nsucess_rate_at_least = 1",
-        "rules[0].sucess_rate_at_least: unknown key, did you mean 'success",
-    ),
+    ("[[rules]]\nsucess_rate_at_least = 1", "rules[0].sucess_rate_at_least: unknown key, did you mean 'success"),
     ("[[rules]]\nsuccess_rate_at_least = 95", "rules[0].success_rate_at_least: expected <= 1, got 95"),
     ("[[rules]]\ncollisions_at_most = 0.5", "rules[0].collisions_at_most: expected an integer, got 0.5"),
     ("[[rules]]\nclearance_m_at_least = -1", "rules[0].clearance_m_at_least: expected >= 0, got -1"),

@@ -97,11 +97,7 @@ def test_pictures_that_differ_from_the_run_are_remarked(
     ],
 )
 def test_wrong_use_is_one_line_and_leaves_nothing(
-    arguments: list[str],
-    said: str,
-    run: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    arguments: list[str], said: str, run: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(run.parent)
     before = sorted(run.parent.rglob("*"))
@@ -155,9 +151,7 @@ def test_a_draft_of_another_process_is_not_touched(run: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("form", "library"),
-    [(lerobot.LeRobot(), "pyarrow"), (minari_format.Minari(), "h5py")],
-    ids=["lerobot", "minari"],
+    ("form", "library"), [(lerobot.LeRobot(), "pyarrow"), (minari_format.Minari(), "h5py")], ids=["lerobot", "minari"]
 )
 def test_a_missing_library_is_named_with_its_remedy(
     form: formats.Format, library: str, monkeypatch: pytest.MonkeyPatch

@@ -183,8 +183,7 @@ def test_a_users_own_failure_is_one_line_with_the_exception_behind_it(module: st
 
 
 @pytest.mark.parametrize(
-    ("source", "reason"),
-    [("def (", "SyntaxError: "), ("raise OSError('no disk')", "OSError: no disk")],
+    ("source", "reason"), [("def (", "SyntaxError: "), ("raise OSError('no disk')", "OSError: no disk")]
 )
 def test_a_module_that_cannot_be_run_is_told(
     source: str, reason: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -55,10 +55,7 @@ CERTAIN: dict[str, tuple[list[onnx.NodeProto], list[onnx.TensorProto]]] = {
     "no operator": ([MEAN], []),
     "for another output": ([node("RandomNormalLike", ["state"], ["noise"]), MEAN], []),
     "dropout that does nothing": ([node("Dropout", ["state"], ["noise"]), ADD], []),
-    "dropout switched off": (
-        [node("Dropout", ["state", "", "off"], ["noise"]), ADD],
-        [boolean("off", False)],
-    ),
+    "dropout switched off": ([node("Dropout", ["state", "", "off"], ["noise"]), ADD], [boolean("off", False)]),
     "dropout switched off by a node": (
         [
             node("Constant", [], ["off"], value=boolean("value", False)),

@@ -10,16 +10,7 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AsyncVectorEnv, SyncVectorEnv
-from straight_road import (
-    FAR,
-    FULL_AHEAD,
-    GOAL,
-    NEUTRAL,
-    SMALL,
-    constantly,
-    drive,
-    scenario,
-)
+from straight_road import FAR, FULL_AHEAD, GOAL, NEUTRAL, SMALL, constantly, drive, scenario
 
 import vpf_sim  # noqa: F401 (registers the environment)
 from vpf_sim import scenarios

@@ -6,6 +6,7 @@ from math import radians, sin, tan
 
 import numpy as np
 import pytest
+from short_scenario import SHORT
 
 from vpf_sim import scenarios
 from vpf_sim.envs.four_lane import FourLane
@@ -18,14 +19,8 @@ from vpf_sim.types import Camera, Floats
 
 CAMERA = Camera()
 STATE = np.array([10.0, -20.0, 0.5, 5.0, 0.1])
-SHORT = """
-schema = 1
-[road]
-segments = [{kind = "line", length_m = 80}]
-[goal]
-s_m = 11.0
-"""
-ERRING = SHORT + "[ego.sensors]\nposition_noise_m = 0.5\nspeed_scale = 0.1\nyaw_rate_noise_radps = 0.05\n"
+EXACT = SHORT.partition("[vary]")[0]
+ERRING = EXACT + "[ego.sensors]\nposition_noise_m = 0.5\nspeed_scale = 0.1\nyaw_rate_noise_radps = 0.05\n"
 
 
 def readings(errors: SensorErrors, count: int, seed: int = 1) -> Floats:
@@ -112,7 +107,7 @@ def test_driver_gets_measurements_and_the_log_the_truth() -> None:
 
 
 def test_exact_sensors_change_nothing() -> None:
-    with closing(FourLane(scenarios.parse(SHORT, "exact"), frames=False)) as env:
+    with closing(FourLane(scenarios.parse(EXACT, "exact"), frames=False)) as env:
         observed, info = env.reset(seed=4)
         assert "ego" not in info
         assert observed["ego"] == pytest.approx([5.0, 1.75, 0.0, 5.55, 0.0])

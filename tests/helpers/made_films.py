@@ -42,11 +42,7 @@ def film(
     road = Scenario.model_validate(
         {
             "schema": 1,
-            "road": {
-                **road_keys,
-                "look": shown,
-                "segments": [segment],
-            },
+            "road": {**road_keys, "look": shown, "segments": [segment]},
             "ego": {"lane": lane},
             "goal": {"s_m": LENGTH_M - 10.0},
         }

@@ -1,5 +1,30 @@
 """A valid file of each format, for tests that change it."""
 
+PLAIN = """
+schema = 1
+[road]
+lanes = 4
+lane_width_m = 3.5
+segments = [
+  {kind = "line", length_m = 60},
+  {kind = "clothoid", length_m = 30, end_radius_m = -100},
+  {kind = "arc", length_m = 80, radius_m = -100},
+]
+[[road.widths]]
+s_m = 40.0
+lanes_m = [3.5, 3.5, 3.5, 3.5]
+[[road.widths]]
+s_m = 100.0
+lanes_m = [3.5, 3.5, 3.5, 3.5]
+[goal]
+s_m = 165.0
+[[bodies]]
+kind = "car"
+s_m = 90.0
+lane = 2
+[vary]
+"bodies.lateral_m" = [-0.2, 0.3]
+"""
 SCENARIO = """schema = 1
 [road]
 lanes = 4

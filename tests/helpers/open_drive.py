@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from vpf_sim import scenarios
+from vpf_sim.scenarios import Scenario
 from vpf_sim.types import Floats
 
 STEPS = 40_000  # of a curve's integral
@@ -127,3 +129,11 @@ def write_scenario(folder: Path, keys: str, goal_m: float = 20.0, ego: str = "la
     path = folder / "scenario.toml"
     path.write_text(f"schema = 1\n[road]\n{file}{keys}\n[ego]\n{ego}\n[goal]\ns_m = {goal_m}\n", "utf-8")
     return path
+
+
+def loaded(folder: Path, keys: str, *elements: str) -> Scenario:
+    """The scenario with these keys of its road on a map of roads and junctions."""
+    write_map(folder, *elements)
+    scenario = scenarios.load(str(write_scenario(folder, keys)))
+    assert isinstance(scenario, Scenario)
+    return scenario

@@ -46,10 +46,7 @@ def found_warnings(
     [
         ({}, {}),
         ({"mounting_found": {"pitch": SURE, "yaw": SURE}}, {}),
-        (
-            {"mounting_found": {"pitch": SURE, "yaw": WIDE}},
-            {"mounting": "yaw -11.3 to -0.1 deg (not used, 0 assumed)"},
-        ),
+        ({"mounting_found": {"pitch": SURE, "yaw": WIDE}}, {"mounting": "yaw -11.3 to -0.1 deg (not used, 0 assumed)"}),
         ({"flow": 0.97, "lane": None}, {}),
         ({"flow": 0.9, "lane": 0.4}, {"flow": "none in 10 %", "lane": "none in 60 %"}),
         ({"assumed": frozenset({"lens"})}, {"field of view": "60 deg across, assumed; cameras have 40 to 130 deg"}),

@@ -215,11 +215,7 @@ def test_malformed_input_is_one_clear_line(
     ("name", "change", "note"),
     [
         ("radiate", drop("zed_left/000009.png"), "zed_left/: 1 of 24 images are missing"),
-        (
-            "comma2k19",
-            lambda folder: shutil.rmtree(folder / "processed_log" / "CAN" / "radar"),
-            "no radar to identify",
-        ),
+        ("comma2k19", lambda folder: shutil.rmtree(folder / "processed_log" / "CAN" / "radar"), "no radar to identify"),
         ("general", swap("signals.csv", "yaw_rate_degps", "yaw_rate_rpm"), "signals.csv: not used: yaw_rate_rpm, note"),
         ("general", empty_column("signals.csv", 3), "without a value: yaw_rate_degps"),
         ("general", in_milliseconds("signals.csv"), "signals.csv: a row every 40 s, interpolated: milliseconds?"),

@@ -12,10 +12,7 @@ from vpf_sim.replay.real_table import summary
 from vpf_sim.replay.records import DriveRecord
 
 SHARED = os.environ.get("VPF_SIM_SHARED")
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(not SHARED, reason="needs the recorded drives; set VPF_SIM_SHARED"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(not SHARED, reason="needs the recorded drives; set VPF_SIM_SHARED")]
 
 
 @pytest.fixture(scope="module")

@@ -168,10 +168,7 @@ def test_commands_are_drawn_with_the_pids() -> None:
 
 
 def test_dots_have_intervals() -> None:
-    found = [
-        Dot("town04", "vpf", 0, "d0", 0.5, (0.4, 0.7)),
-        Dot("town04", "vpf", 1, "d0", 0.6, None),
-    ]
+    found = [Dot("town04", "vpf", 0, "d0", 0.5, (0.4, 0.7)), Dot("town04", "vpf", 1, "d0", 0.6, None)]
     svg = str(interval_chart.chart(found, [Mark("town04", 0, 0.74)], "path MSE", None))
     (whisker,) = paths_of(svg, "whisker d0")
     (paper,) = paths_of(svg, "paper")

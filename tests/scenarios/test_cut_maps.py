@@ -8,18 +8,10 @@ import pytest
 
 from vpf_sim import scenarios
 from vpf_sim.errors import InputError
-from vpf_sim.scenarios import Scenario
 
 LINE = "<line/>"
 ONE = xodr.section(xodr.lane(-1))
 ROUTES = ('route = ["A", "on", "C"]', 'from = "A"\nto = "C"')
-
-
-def loaded(folder: Path, keys: str, *elements: str) -> Scenario:
-    xodr.write_map(folder, *elements)
-    scenario = scenarios.load(str(xodr.write_scenario(folder, keys)))
-    assert isinstance(scenario, Scenario)
-    return scenario
 
 
 def straight(name: str, x: float, links: str = "", lanes: str = ONE, heading: float = 0.0) -> str:
@@ -57,26 +49,26 @@ OFF_ROUTE = {
 @pytest.mark.parametrize("keys", ROUTES)
 @pytest.mark.parametrize("side", OFF_ROUTE.values(), ids=OFF_ROUTE)
 def test_faults_of_a_side_road_do_not_matter(side: str, keys: str, tmp_path: Path) -> None:
-    made = loaded(tmp_path, keys, *MAIN, side, BOTH)
+    made = xodr.loaded(tmp_path, keys, *MAIN, side, BOTH)
     assert (made.road.lanes, made.road.length_m) == (1, 150.0)
 
 
 @pytest.mark.parametrize("keys", ROUTES)
 def test_lane_links_to_a_side_road_do_not_matter(keys: str, tmp_path: Path) -> None:
     links = connection("side", '<laneLink from="one" to="two"/>')
-    made = loaded(tmp_path, keys, *MAIN, OFF_ROUTE["minus one"], junction(connection("on"), links))
+    made = xodr.loaded(tmp_path, keys, *MAIN, OFF_ROUTE["minus one"], junction(connection("on"), links))
     assert made.road.length_m == 150.0
 
 
 def test_a_fault_on_the_only_way_is_named(tmp_path: Path) -> None:
     faulty = MAIN[1].replace('length="50.0"', 'length="long"')
     with pytest.raises(InputError, match=r"got 'C'; left out: .*road on: planView.geometry\[0\].length: .*'long'"):
-        loaded(tmp_path, ROUTES[1], MAIN[0], faulty, MAIN[2], junction(connection("on")))
+        xodr.loaded(tmp_path, ROUTES[1], MAIN[0], faulty, MAIN[2], junction(connection("on")))
 
 
 def test_a_junction_without_connections_ends_the_route(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="leads to, one of none, got 'on'"):
-        loaded(tmp_path, ROUTES[0], *MAIN, junction())
+        xodr.loaded(tmp_path, ROUTES[0], *MAIN, junction())
 
 
 def test_faults_of_lanes_that_are_not_driven_do_not_matter(tmp_path: Path) -> None:
@@ -84,7 +76,7 @@ def test_faults_of_lanes_that_are_not_driven_do_not_matter(tmp_path: Path) -> No
     other = xodr.lane(1, width='a="wide"', inside='<link><successor id="none"/></link>')
     beyond = xodr.lane(-2, "sidewalk").replace("<width", "<border")
     road = straight("A", 0.0, lanes=xodr.section(other, xodr.lane(-1), beyond))
-    made = loaded(tmp_path, 'route = ["A"]\ndirection = "forward"', road)
+    made = xodr.loaded(tmp_path, 'route = ["A"]\ndirection = "forward"', road)
     assert (made.road.lanes, made.road.length_m) == (1, 50.0)
 
 
@@ -92,14 +84,14 @@ def test_faults_of_lanes_that_are_not_driven_do_not_matter(tmp_path: Path) -> No
 def test_a_lanes_empty_link_is_none(link: str, tmp_path: Path) -> None:
     lanes = xodr.section(xodr.lane(-1, inside=f"<link>{link}</link>"))
     roads = straight("A", 0.0, xodr.linked("successor", "B"), lanes), straight("B", 50.0)
-    assert loaded(tmp_path, 'route = ["A", "B"]', *roads).road.length_m == 100.0
+    assert xodr.loaded(tmp_path, 'route = ["A", "B"]', *roads).road.length_m == 100.0
 
 
 @pytest.mark.parametrize("link", ['<successor elementId="B"/>', '<successor elementType="road" elementId="B"/>'])
 def test_a_link_without_contact_point_touches_the_end_that_leads_back(link: str, tmp_path: Path) -> None:
     """B is drawn towards A, so its end touches that of A."""
     b = straight("B", 100.0, xodr.linked("successor", "A", "end"), xodr.section(xodr.lane(1)), np.pi)
-    assert loaded(tmp_path, 'route = ["A", "B"]', straight("A", 0.0, link), b).road.length_m == 100.0
+    assert xodr.loaded(tmp_path, 'route = ["A", "B"]', straight("A", 0.0, link), b).road.length_m == 100.0
 
 
 def direct(pairs: str, incoming: str = "A", to: str = "B", contact: str = 'contactPoint="start"') -> str:
@@ -117,14 +109,14 @@ AT_END, AT_START = (xodr.linked(end, "J", kind="junction") for end in ("successo
 def test_a_direct_junction_leads_on(contact: str, keys: str, tmp_path: Path) -> None:
     """An exit: two of three lanes go on."""
     roads = straight("A", 0.0, AT_END, THREE), straight("B", 50.0, AT_START, TWO)
-    made = loaded(tmp_path, keys, *roads, direct(TO_TWO, contact=contact))
+    made = xodr.loaded(tmp_path, keys, *roads, direct(TO_TWO, contact=contact))
     assert (made.road.lanes, made.road.length_m) == (2, 100.0)
 
 
 def test_a_direct_junction_can_be_driven_from_the_linked_road(tmp_path: Path) -> None:
     """A merge is an exit the other way round: the road with more lanes is named as the incoming one."""
     roads = straight("A", 0.0, AT_END, TWO), straight("B", 50.0, AT_START, THREE)
-    made = loaded(tmp_path, 'route = ["A", "B"]', *roads, direct(TO_TWO, "B", "A", 'contactPoint="end"'))
+    made = xodr.loaded(tmp_path, 'route = ["A", "B"]', *roads, direct(TO_TWO, "B", "A", 'contactPoint="end"'))
     assert (made.road.lanes, made.road.length_m) == (2, 100.0)
 
 
@@ -135,7 +127,7 @@ def test_sections_of_one_side_are_not_those_of_the_other(direction: str, word: s
     begin = xodr.section(xodr.lane(1), xodr.lane(-1))
     on = xodr.lane(1, inside='<link><predecessor id="1"/></link>')
     again = xodr.section(xodr.lane(2), on, s=20.0).replace(" s=", f' singleSide="{word}" s=')
-    made = loaded(tmp_path, f'route = ["A"]\ndirection = "{direction}"', straight("A", 0.0, lanes=begin + again))
+    made = xodr.loaded(tmp_path, f'route = ["A"]\ndirection = "{direction}"', straight("A", 0.0, lanes=begin + again))
     assert (made.road.lanes, made.road.length_m) == (1, 50.0)
 
 
@@ -144,14 +136,14 @@ def test_a_first_section_that_is_too_short_to_notice_is_merged(s: float, tmp_pat
     """It has another offset and width; the lanes go on by its links."""
     linked = xodr.lane(-2, width='a="1.5"', inside='<link><successor id="-1"/></link>')
     lanes = f'<laneOffset s="0" a="9"/><laneOffset s="{s}" a="0"/>{xodr.section(xodr.lane(-1), linked)}'
-    made = loaded(tmp_path, 'route = ["A"]', straight("A", 0.0, lanes=lanes + xodr.section(xodr.lane(-1), s=s)))
+    made = xodr.loaded(tmp_path, 'route = ["A"]', straight("A", 0.0, lanes=lanes + xodr.section(xodr.lane(-1), s=s)))
     assert (made.road.lanes, made.road.lane_width_m, made.road.start_m) == (1, 3.5, (0.0, 1.75))
 
 
 @pytest.mark.parametrize("s", [50.0, 50.000001, 49.999])
 def test_a_last_section_without_a_length_is_merged(s: float, tmp_path: Path) -> None:
     lanes = ONE + xodr.section(xodr.lane(-1, width='a="1.5"'), s=s)
-    made = loaded(tmp_path, 'route = ["A"]', straight("A", 0.0, lanes=lanes))
+    made = xodr.loaded(tmp_path, 'route = ["A"]', straight("A", 0.0, lanes=lanes))
     assert (made.road.lane_width_m, made.road.length_m) == (3.5, 50.0)
 
 

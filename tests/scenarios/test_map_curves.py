@@ -7,7 +7,6 @@ import numpy as np
 import open_drive as xodr
 import pytest
 
-from vpf_sim import scenarios
 from vpf_sim.envs.centre_line import CentreLine
 from vpf_sim.scenarios import Scenario
 from vpf_sim.types import Floats
@@ -56,14 +55,6 @@ SHAPES = {
 }
 
 
-def converted(folder: Path, keys: str, *elements: str) -> Scenario:
-    """The scenario on a road of a map."""
-    xodr.write_map(folder, *elements)
-    scenario = scenarios.load(str(xodr.write_scenario(folder, keys)))
-    assert isinstance(scenario, Scenario)
-    return scenario
-
-
 def assert_on(scenario: Scenario, lane: int, truth: Floats, ends_m: float = 0.01) -> None:
     """A lane's centre runs through all points of the truth, in order, and is as long."""
     line, points = CentreLine(scenario.road), truth[:: max(1, len(truth) // 300)]
@@ -79,7 +70,7 @@ def assert_on(scenario: Scenario, lane: int, truth: Floats, ends_m: float = 0.01
 def test_lanes_follow_each_kind_of_geometry(name: str, direction: str, tmp_path: Path) -> None:
     shape, length_m, curve = SHAPES[name]
     road = xodr.road("7", xodr.geometry(shape, length_m, pose=POSE), TWO_WAY)
-    scenario = converted(tmp_path, f'route = ["7"]\ndirection = "{direction}"', road)
+    scenario = xodr.loaded(tmp_path, f'route = ["7"]\ndirection = "{direction}"', road)
     assert (scenario.road.lanes, scenario.road.lane_width_m) == (2, 3.5)
     for lane, t in ((1, 5.25), (2, 1.75)):
         side = -1.0 if direction == "forward" else 1.0
@@ -90,7 +81,7 @@ def test_lanes_follow_each_kind_of_geometry(name: str, direction: str, tmp_path:
 def test_lines_and_arcs_stay_lines_and_arcs(tmp_path: Path) -> None:
     """An arc of 50 m radius to the left, driven 3.5 m to the right of it, has 53.5 m and is longer by as much."""
     road = xodr.road("7", xodr.geometry('<arc curvature="0.02"/>', 60.0, pose=POSE), TWO_WAY)
-    (segment,) = converted(tmp_path, 'route = ["7"]\ndirection = "forward"', road).road.segments
+    (segment,) = xodr.loaded(tmp_path, 'route = ["7"]\ndirection = "forward"', road).road.segments
     assert segment.model_dump() == pytest.approx({"kind": "arc", "radius_m": -53.5, "length_m": 60.0 * 53.5 / 50.0})
 
 
@@ -105,7 +96,7 @@ def test_lanes_follow_the_lane_offset(name: str, tmp_path: Path) -> None:
     shape, length_m, curve = SHAPES[name]
     text, offset = smooth(3.0, length_m)
     lanes = f'<laneOffset s="0" {text}/>{TWO_WAY}'
-    scenario = converted(
+    scenario = xodr.loaded(
         tmp_path,
         'route = ["7"]\ndirection = "forward"',
         xodr.road("7", xodr.geometry(shape, length_m, pose=POSE), lanes),
@@ -117,7 +108,7 @@ def test_lanes_follow_the_widths_of_lanes_between_them_and_the_reference_line(tm
     shape, length_m, curve = SHAPES["arc"]
     text, width = smooth(2.0, length_m)
     lanes = xodr.section(xodr.lane(-1, "shoulder", text), xodr.lane(-2), xodr.lane(-3))
-    scenario = converted(tmp_path, 'route = ["7"]', xodr.road("7", xodr.geometry(shape, length_m, pose=POSE), lanes))
+    scenario = xodr.loaded(tmp_path, 'route = ["7"]', xodr.road("7", xodr.geometry(shape, length_m, pose=POSE), lanes))
     assert_on(scenario, 2, curve.shifted(lambda s: -width(s) - 1.75))
 
 
@@ -126,7 +117,7 @@ def test_a_slight_corner_of_the_offset_is_rounded(tmp_path: Path) -> None:
     shape, length_m, curve = clothoid(0.0, 0.0, 100.0)
     lanes = f'<laneOffset s="0" a="0"/><laneOffset s="50" a="0" b="0.01"/>{TWO_WAY}'
     road = xodr.road("7", xodr.geometry(shape, length_m, pose=POSE), lanes)
-    scenario = converted(tmp_path, 'route = ["7"]\ndirection = "forward"', road)
+    scenario = xodr.loaded(tmp_path, 'route = ["7"]\ndirection = "forward"', road)
     assert_on(scenario, 2, curve.shifted(lambda s: 0.01 * np.maximum(s - 50.0, 0.0) - 1.75), ends_m=0.02)
 
 
@@ -138,7 +129,7 @@ def test_spirals_that_begin_with_another_curvature_turn_as_the_map_does(tmp_path
         text += xodr.geometry('<spiral curvStart="-0.08" curvEnd="0.08"/>', 4.0, 4.0 * i, pose)
         truth.append(curve.shifted(lambda s: np.full(s.shape, -1.75))[100:-100:2000])
         pose = curve.end
-    scenario = converted(tmp_path, 'route = ["7"]\ndirection = "forward"', xodr.road("7", text, TWO_WAY))
+    scenario = xodr.loaded(tmp_path, 'route = ["7"]\ndirection = "forward"', xodr.road("7", text, TWO_WAY))
     _, right = CentreLine(scenario.road).local(np.concatenate(truth))
     assert np.abs(right - scenario.road.lane_offset_m(2)).max() < 0.01
 
@@ -152,7 +143,7 @@ def test_errors_of_rounded_digits_do_not_add_up(tmp_path: Path) -> None:
         text += xodr.geometry(f'<arc curvature="{rounded}"/>', 50.0, 50.0 * i, pose)
         truth.append(curve.shifted(lambda s: np.full(s.shape, -1.75))[100:-100:400])
         pose = curve.end
-    scenario = converted(tmp_path, 'route = ["7"]', xodr.road("7", text, xodr.section(xodr.lane(-1))))
+    scenario = xodr.loaded(tmp_path, 'route = ["7"]', xodr.road("7", text, xodr.section(xodr.lane(-1))))
     _, right = CentreLine(scenario.road).local(np.concatenate(truth))
     assert np.abs(right).max() < 0.01
 
@@ -161,4 +152,4 @@ def test_a_map_far_from_its_origin_begins_at_ours(tmp_path: Path) -> None:
     road = xodr.road(
         "7", xodr.geometry("<line/>", 60.0, pose=(690_000.0, 5_330_000.0, 0.0)), xodr.section(xodr.lane(-1))
     )
-    assert converted(tmp_path, 'route = ["7"]', road).road.start_m == (0.0, 0.0)
+    assert xodr.loaded(tmp_path, 'route = ["7"]', road).road.start_m == (0.0, 0.0)

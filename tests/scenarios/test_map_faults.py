@@ -41,10 +41,7 @@ def message(folder: Path, keys: str = 'route = ["45"]', text: str | bytes | None
         ("route = []", "road.route: expected the ids of one or more roads, or from and to, got none"),
         ('route = ["45"]\nto = "45"', "road.route: expected either route or from and to, got both"),
         ("route = [45]", "road.route[0]: expected a string, got 45"),
-        (
-            'route = ["45"]\nlanes = 4',
-            "road.lanes: unknown key, known: opendrive, route, from, to, direction, look",
-        ),
+        ('route = ["45"]\nlanes = 4', "road.lanes: unknown key, known: opendrive, route, from, to, direction, look"),
         (
             'route = ["45"]\nlook = {verge = "grss"}',
             "road.look.verge: expected one of grass, sand, snow, paved, got 'grss': did you mean 'grass'?",
@@ -64,10 +61,7 @@ def test_a_fault_of_a_scenarios_keys_is_one_line(keys: str, line: str, tmp_path:
     [
         ("road 45", "expected XML, got: syntax error: line 1, column 0"),
         (b"\x89PNG\r\n\x1a\n\0\0", "expected XML, got: not well-formed (invalid token): line 1, column 0"),
-        (
-            "<?xml version='1.0' encoding='nonsense'?><OpenDRIVE/>",
-            "expected XML, got: unknown encoding: nonsense",
-        ),
+        ("<?xml version='1.0' encoding='nonsense'?><OpenDRIVE/>", "expected XML, got: unknown encoding: nonsense"),
         ("<osm/>", "expected the root element OpenDRIVE, got 'osm'"),
         (BOMB, "expected XML without entities of its own, got <!ENTITY"),
         (
@@ -83,15 +77,9 @@ def test_a_file_that_is_no_map_is_refused(text: str | bytes, line: str, tmp_path
 @pytest.mark.parametrize(
     ("road", "line"),
     [
-        (
-            ROAD.replace('hdg="0.0"', 'hdg="north"'),
-            f"planView.geometry[0].hdg: {NUMBER}, got 'north'",
-        ),
+        (ROAD.replace('hdg="0.0"', 'hdg="north"'), f"planView.geometry[0].hdg: {NUMBER}, got 'north'"),
         (ROAD.replace('hdg="0.0"', 'hdg="nan"'), f"planView.geometry[0].hdg: {NUMBER}, got 'nan'"),
-        (
-            ROAD.replace('hdg="0.0"', 'hdg="1e300"'),
-            f"planView.geometry[0].hdg: {NUMBER}, got '1e300'",
-        ),
+        (ROAD.replace('hdg="0.0"', 'hdg="1e300"'), f"planView.geometry[0].hdg: {NUMBER}, got '1e300'"),
         (
             ROAD.replace('s="0.0" x', 's="1e9" x'),
             "planView: expected geometries with s that grows from 0 to 20000 m at most, got [1000000000.0]",
@@ -113,18 +101,12 @@ def test_a_file_that_is_no_map_is_refused(text: str | bytes, line: str, tmp_path
             ROAD.replace("<line/>", ""),
             "planView.geometry[0]: expected one of line, arc, spiral, poly3, paramPoly3, got none",
         ),
-        (
-            ROAD.replace("<line/>", "<arc/>"),
-            f"planView.geometry[0].arc.curvature: {NUMBER}, got none",
-        ),
+        (ROAD.replace("<line/>", "<arc/>"), f"planView.geometry[0].arc.curvature: {NUMBER}, got none"),
         (
             ROAD.replace('length="60.0"', 'length="0"'),
             "planView: expected one or more geometries with a length, got none",
         ),
-        (
-            ROAD.replace("driving", "sidewalk"),
-            "lanes: expected a driving lane along the whole road, got none",
-        ),
+        (ROAD.replace("driving", "sidewalk"), "lanes: expected a driving lane along the whole road, got none"),
         (ROAD.replace(LANES, ""), "lanes: expected sections with s that grows from 0 to the road's length 60, got []"),
         (ROAD.replace('id="-2"', 'id="two"'), "lanes.laneSection[0].lane.id: expected an integer, got 'two'"),
         (ROAD.replace("<width a", "<border a"), "lanes.laneSection[0].lane -1: expected widths, got borders"),

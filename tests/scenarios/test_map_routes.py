@@ -21,18 +21,10 @@ ONE_WAY = xodr.section(xodr.lane(-1), xodr.lane(-2))
 PAINTED = '<roadMark sOffset="0" type="{}" color="{}"/>'
 
 
-def loaded(folder: Path, keys: str, *elements: str) -> Scenario:
-    """The scenario of a route on a map."""
-    xodr.write_map(folder, *elements)
-    scenario = scenarios.load(str(xodr.write_scenario(folder, keys)))
-    assert isinstance(scenario, Scenario)
-    return scenario
-
-
 def fault(folder: Path, keys: str, *elements: str) -> str:
     """What is said of a route that is refused."""
     with pytest.raises(InputError) as caught:
-        loaded(folder, keys, *elements)
+        xodr.loaded(folder, keys, *elements)
     return str(caught.value).replace(str(folder), "F").replace("\\", "/")
 
 
@@ -60,7 +52,7 @@ def assert_on(scenario: Scenario, lane: int, *truth: Floats) -> None:
 
 
 def test_two_connected_roads_are_one(tmp_path: Path) -> None:
-    made = loaded(tmp_path, 'route = ["A", "B"]', first(xodr.linked("successor", "B")), second())
+    made = xodr.loaded(tmp_path, 'route = ["A", "B"]', first(xodr.linked("successor", "B")), second())
     assert_on(made, 1, right_of(BEND, 5.25), right_of(ON, 5.25))
     assert [segment.kind for segment in made.road.segments] == ["arc", "line"]
 
@@ -70,7 +62,7 @@ def test_a_road_is_driven_against_its_s_if_it_is_connected_at_its_end(tmp_path: 
     x, y, heading = ON.end
     geometry = xodr.geometry(LINE, 50.0, pose=(x, y, heading + np.pi))
     back = xodr.road("B", geometry, xodr.section(xodr.lane(2), xodr.lane(1)))
-    made = loaded(tmp_path, 'route = ["A", "B"]', first(xodr.linked("successor", "B", "end")), back)
+    made = xodr.loaded(tmp_path, 'route = ["A", "B"]', first(xodr.linked("successor", "B", "end")), back)
     assert_on(made, 1, right_of(BEND, 5.25), right_of(ON, 5.25))
 
 
@@ -103,21 +95,21 @@ CROSSING = (
 
 def test_a_junction_leads_on_by_its_lane_links(tmp_path: Path) -> None:
     """The lane that goes straight on is the right one of A, the only one in the junction, and the right one of C."""
-    made = loaded(tmp_path, 'route = ["A", "on", "C"]', *CROSSING)
+    made = xodr.loaded(tmp_path, 'route = ["A", "on", "C"]', *CROSSING)
     assert made.road.lanes == 1
     beyond = xodr.of_curvature(lambda s: np.zeros(s.shape), 30.0, ON.end)
     assert_on(made, 1, right_of(BEND, 5.25), right_of(ON, 5.25), right_of(beyond, 5.25))
 
 
 def test_a_junction_can_be_left_by_another_lane(tmp_path: Path) -> None:
-    made = loaded(tmp_path, 'route = ["A", "left"]', *CROSSING)
+    made = xodr.loaded(tmp_path, 'route = ["A", "left"]', *CROSSING)
     away = xodr.of_curvature(lambda s: np.full(s.shape, 0.05), 20.0, BEND.end)
     assert_on(made, 1, right_of(BEND, 1.75), right_of(away, 1.75))
 
 
 def test_the_route_between_two_roads_is_found(tmp_path: Path) -> None:
-    expected = loaded(tmp_path, 'route = ["A", "on", "C"]', *CROSSING)
-    assert loaded(tmp_path, 'from = "A"\nto = "C"', *CROSSING) == expected
+    expected = xodr.loaded(tmp_path, 'route = ["A", "on", "C"]', *CROSSING)
+    assert xodr.loaded(tmp_path, 'from = "A"\nto = "C"', *CROSSING) == expected
 
 
 def test_a_road_that_no_lane_leads_to_is_refused(tmp_path: Path) -> None:
@@ -140,7 +132,9 @@ def test_a_lane_that_ends_on_the_way_is_left_out(tmp_path: Path) -> None:
         xodr.lane(-2, inside='<link><successor id="-2"/></link>'),
         xodr.lane(-3),
     ]
-    made = loaded(tmp_path, 'route = ["A", "B"]', first(xodr.linked("successor", "B"), xodr.section(*lanes)), second())
+    made = xodr.loaded(
+        tmp_path, 'route = ["A", "B"]', first(xodr.linked("successor", "B"), xodr.section(*lanes)), second()
+    )
     assert made.road.lanes == 2
     assert_on(made, 1, right_of(BEND, 5.25), right_of(ON, 5.25))
 
@@ -148,7 +142,7 @@ def test_a_lane_that_ends_on_the_way_is_left_out(tmp_path: Path) -> None:
 def test_lanes_without_links_are_counted_from_the_right(tmp_path: Path) -> None:
     """A third lane begins at the left, beside the reference line, from which the others are shifted."""
     wider = f'<laneOffset s="0" a="3.5"/>{xodr.section(*(xodr.lane(-i) for i in (1, 2, 3)))}'
-    made = loaded(tmp_path, 'route = ["A", "B"]', first(xodr.linked("successor", "B")), second(lanes=wider))
+    made = xodr.loaded(tmp_path, 'route = ["A", "B"]', first(xodr.linked("successor", "B")), second(lanes=wider))
     assert made.road.lanes == 2
     assert_on(made, 1, right_of(BEND, 5.25), right_of(ON, 5.25))
 
@@ -156,7 +150,7 @@ def test_lanes_without_links_are_counted_from_the_right(tmp_path: Path) -> None:
 def test_a_lane_that_opens_is_left_out(tmp_path: Path) -> None:
     """An exit widens from 0 to 3.5 m to the right of two lanes."""
     exit_ = xodr.lane(-3, "exit", 'a="0" b="0.07"')
-    made = loaded(tmp_path, 'route = ["B"]', second(lanes=xodr.section(xodr.lane(-1), xodr.lane(-2), exit_)))
+    made = xodr.loaded(tmp_path, 'route = ["B"]', second(lanes=xodr.section(xodr.lane(-1), xodr.lane(-2), exit_)))
     assert made.road.lanes == 2
     assert_on(made, 1, right_of(ON, 5.25))
 
@@ -166,9 +160,9 @@ def test_a_direction_is_asked_for_where_both_are_possible(tmp_path: Path) -> Non
     assert fault(tmp_path, 'route = ["B"]', both) == (
         "F/scenario.toml: road.direction: expected forward or backward, as the route can be driven both ways, got none"
     )
-    ahead = loaded(tmp_path, 'route = ["B"]\ndirection = "forward"', both)
+    ahead = xodr.loaded(tmp_path, 'route = ["B"]\ndirection = "forward"', both)
     assert_on(ahead, 1, right_of(ON, 1.75))
-    back = loaded(tmp_path, 'route = ["B"]\ndirection = "backward"', both)
+    back = xodr.loaded(tmp_path, 'route = ["B"]\ndirection = "backward"', both)
     assert_on(back, 1, right_of(ON, -1.75)[::-1])
     assert fault(tmp_path, 'route = ["B"]\ndirection = "backward"', second()) == (
         "F/scenario.toml: road.direction: expected forward, as road B has no driving lanes the other way, got backward"
@@ -177,7 +171,7 @@ def test_a_direction_is_asked_for_where_both_are_possible(tmp_path: Path) -> Non
 
 def test_in_left_hand_traffic_lanes_on_the_left_lead_along_s(tmp_path: Path) -> None:
     lanes = xodr.section(xodr.lane(1), xodr.lane(2))
-    made = loaded(tmp_path, 'route = ["B"]', second(lanes=lanes, more='rule="LHT"'))
+    made = xodr.loaded(tmp_path, 'route = ["B"]', second(lanes=lanes, more='rule="LHT"'))
     assert made.road.lanes == 2
     assert_on(made, 1, right_of(ON, -1.75))
     assert_on(made, 2, right_of(ON, -5.25))
@@ -199,28 +193,23 @@ def painted(number: int, kind: str, color: str = "white") -> str:
     ],
 )
 def test_marks_tell_the_edge_lines_and_their_colour(
-    left: tuple[str, str],
-    inside: tuple[str, str],
-    right: tuple[str, str],
-    edges: str,
-    colour: str,
-    tmp_path: Path,
+    left: tuple[str, str], inside: tuple[str, str], right: tuple[str, str], edges: str, colour: str, tmp_path: Path
 ) -> None:
     ahead = xodr.section(painted(0, *left), painted(-1, *inside), painted(-2, *right))
-    look = loaded(tmp_path, 'route = ["B"]', second(lanes=ahead)).road.look
+    look = xodr.loaded(tmp_path, 'route = ["B"]', second(lanes=ahead)).road.look
     assert (look.edge_lines, look.lines) == (edges, colour)
     back = xodr.section(painted(0, *left), painted(1, *inside), painted(2, *right))
-    assert loaded(tmp_path, 'route = ["B"]', second(lanes=back)).road.look == look
+    assert xodr.loaded(tmp_path, 'route = ["B"]', second(lanes=back)).road.look == look
 
 
 def test_a_scenarios_look_goes_before_the_marks(tmp_path: Path) -> None:
     lanes = xodr.section(painted(0, "none"), painted(-1, "solid"))
-    made = loaded(tmp_path, 'route = ["B"]\nlook = {edge_lines = "left", verge = "sand"}', second(lanes=lanes))
+    made = xodr.loaded(tmp_path, 'route = ["B"]\nlook = {edge_lines = "left", verge = "sand"}', second(lanes=lanes))
     assert (made.road.look.edge_lines, made.road.look.verge) == ("left", "sand")
 
 
 def test_a_loaded_scenario_needs_no_map(tmp_path: Path) -> None:
-    made = loaded(tmp_path, 'route = ["B"]', second())
+    made = xodr.loaded(tmp_path, 'route = ["B"]', second())
     (tmp_path / "map.xodr").unlink()
     assert Scenario.model_validate(made.model_dump(by_alias=True)) == made
 

@@ -6,7 +6,6 @@ import numpy as np
 import open_drive as xodr
 import pytest
 
-from vpf_sim import scenarios
 from vpf_sim.envs.centre_line import CentreLine
 from vpf_sim.envs.road import Carriageway
 from vpf_sim.scenarios import Scenario
@@ -17,13 +16,6 @@ LENGTH_M = 80.0
 BEND = xodr.of_curvature(lambda s: np.full(s.shape, 0.005), LENGTH_M, START)
 ARC = xodr.geometry('<arc curvature="0.005"/>', LENGTH_M, pose=START)
 CLOSE_M = 0.03  # of a border: widths within 1 cm, steps and slopes spread
-
-
-def loaded(folder: Path, keys: str, *elements: str) -> Scenario:
-    xodr.write_map(folder, *elements)
-    scenario = scenarios.load(str(xodr.write_scenario(folder, keys)))
-    assert isinstance(scenario, Scenario)
-    return scenario
 
 
 def assert_borders(made: Scenario, *left_m: Floats) -> None:
@@ -40,7 +32,7 @@ def test_lanes_have_their_own_width(tmp_path: Path) -> None:
     lanes = xodr.section(
         xodr.lane(-1, width='a="3.0"'), xodr.lane(-2, width='a="3.75"'), xodr.lane(-3, width='a="2.5"')
     )
-    made = loaded(tmp_path, 'route = ["A"]', xodr.road("A", ARC, lanes))
+    made = xodr.loaded(tmp_path, 'route = ["A"]', xodr.road("A", ARC, lanes))
     zero = np.zeros(BEND.s.shape)
     assert_borders(made, zero, zero - 3.0, zero - 6.75, zero - 9.25)
     assert len(made.road.widths) == 2
@@ -54,7 +46,7 @@ def test_a_width_changes_along_the_road(
     """The inner lane's width is a polynomial; both lanes and the offset move the outer one."""
     a, b, c, d = coefficients
     lanes = xodr.section(xodr.lane(-1, width=f'a="{a}" b="{b}" c="{c}" d="{d}"'), xodr.lane(-2, width='a="3.2"'))
-    made = loaded(tmp_path, 'route = ["A"]', xodr.road("A", ARC, f'<laneOffset s="0" a="{offset}"/>{lanes}'))
+    made = xodr.loaded(tmp_path, 'route = ["A"]', xodr.road("A", ARC, f'<laneOffset s="0" a="{offset}"/>{lanes}'))
     inner = offset - (a + BEND.s * (b + BEND.s * (c + BEND.s * d)))
     assert_borders(made, np.full(BEND.s.shape, offset), inner, inner - 3.2)
 
@@ -71,7 +63,7 @@ def zigzag(s: Floats) -> Floats:
 def test_lanes_whose_offset_has_corners_lie_beside_the_reference_line(keys: str, side: float, tmp_path: Path) -> None:
     """Both lanes have the same width everywhere, but no line along them is smooth."""
     lanes = xodr.section(xodr.lane(int(side)), xodr.lane(int(2 * side)))
-    made = loaded(tmp_path, f'route = ["A"]{keys}', xodr.road("A", ARC, ZIGZAG + lanes))
+    made = xodr.loaded(tmp_path, f'route = ["A"]{keys}', xodr.road("A", ARC, ZIGZAG + lanes))
     offset = zigzag(BEND.s)
     assert_borders(made, offset, offset + 3.5 * side, offset + 7.0 * side)
 
@@ -86,7 +78,7 @@ def test_the_line_goes_on_where_the_next_road_has_its_reference_line_elsewhere(t
         '<laneOffset s="0" a="-3.5" b="0.1"/>' + lanes,
         xodr.linked("predecessor", "A", "end"),
     )
-    places = (made := loaded(tmp_path, 'route = ["A", "B"]', first, second)).road.lane_places
+    places = (made := xodr.loaded(tmp_path, 'route = ["A", "B"]', first, second)).road.lane_places
     assert places is not None
     along, right = CentreLine(made.road).local([[x, 0.0] for x in (30.0, 55.0, 70.0, 95.0)])
     assert np.abs(right).max() < 2.0
@@ -101,7 +93,7 @@ def test_a_wide_place_far_from_a_tight_bend_is_no_fault(tmp_path: Path) -> None:
         f'<arc curvature="{-1 / 6}"/>', 6.0, 60.0, (60.0, 0.0, 0.0)
     )
     lanes = xodr.section(xodr.lane(-1, width='a="9"')) + xodr.section(xodr.lane(-1), s=40.0)
-    made = loaded(tmp_path, 'route = ["A"]', xodr.road("A", geometries, lanes))
+    made = xodr.loaded(tmp_path, 'route = ["A"]', xodr.road("A", geometries, lanes))
     along, right = CentreLine(made.road).local(bend.shifted(lambda s: -1.75 + 0.0 * s)[100:-100:2000])
     places = made.road.lane_places
     assert places is not None
@@ -110,14 +102,14 @@ def test_a_wide_place_far_from_a_tight_bend_is_no_fault(tmp_path: Path) -> None:
 
 def test_against_s_the_order_of_lanes_is_that_of_the_drive(tmp_path: Path) -> None:
     lanes = xodr.section(xodr.lane(2, width='a="2.8"'), xodr.lane(1, width='a="3.0" b="0.01"'), xodr.lane(-1))
-    made = loaded(tmp_path, 'route = ["A"]\ndirection = "backward"', xodr.road("A", ARC, lanes))
+    made = xodr.loaded(tmp_path, 'route = ["A"]\ndirection = "backward"', xodr.road("A", ARC, lanes))
     zero = np.zeros(BEND.s.shape)
     assert_borders(made, zero, zero + 3.0 + 0.01 * BEND.s, zero + 5.8 + 0.01 * BEND.s)
 
 
 def test_in_left_hand_traffic_the_inner_edge_is_the_right_one(tmp_path: Path) -> None:
     lanes = xodr.section(xodr.lane(2, width='a="2.8"'), xodr.lane(1, width='a="3.0" b="0.01"'))
-    made = loaded(tmp_path, 'route = ["A"]', xodr.road("A", ARC, lanes, more='rule="LHT"'))
+    made = xodr.loaded(tmp_path, 'route = ["A"]', xodr.road("A", ARC, lanes, more='rule="LHT"'))
     zero = np.zeros(BEND.s.shape)
     assert_borders(made, zero + 5.8 + 0.01 * BEND.s, zero + 3.0 + 0.01 * BEND.s, zero)
 
@@ -125,7 +117,7 @@ def test_in_left_hand_traffic_the_inner_edge_is_the_right_one(tmp_path: Path) ->
 def test_a_step_of_the_width_is_spread(tmp_path: Path) -> None:
     """At 40 m a section with a wider lane begins; a metre before and after, the widths are the map's."""
     lanes = xodr.section(xodr.lane(-1, width='a="3.0"')) + xodr.section(xodr.lane(-1, width='a="3.4"'), s=40.0)
-    network = Carriageway(loaded(tmp_path, 'route = ["A"]', xodr.road("A", ARC, lanes)).road)
+    network = Carriageway(xodr.loaded(tmp_path, 'route = ["A"]', xodr.road("A", ARC, lanes)).road)
     (lane,) = network.lanes_list()
     assert [lane.width_at(s) for s in (5.0, 39.0, 41.0, 75.0)] == pytest.approx([3.0, 3.0, 3.4, 3.4], abs=0.02)
 
@@ -133,7 +125,9 @@ def test_a_step_of_the_width_is_spread(tmp_path: Path) -> None:
 def test_a_turn_lane_that_opens_is_left_out(tmp_path: Path) -> None:
     """Its width is 0, and by rounding less, before it opens; the lane beside it keeps its own width."""
     opens = xodr.lane(-2, width='a="-0.001" b="0.05"')
-    made = loaded(tmp_path, 'route = ["A"]', xodr.road("A", ARC, xodr.section(xodr.lane(-1, width='a="3.1"'), opens)))
+    made = xodr.loaded(
+        tmp_path, 'route = ["A"]', xodr.road("A", ARC, xodr.section(xodr.lane(-1, width='a="3.1"'), opens))
+    )
     assert (made.road.lanes, made.road.lane_width_m, made.road.widths) == (1, 3.1, ())
 
 
@@ -141,7 +135,7 @@ def test_a_turn_lane_that_opens_is_left_out(tmp_path: Path) -> None:
 def test_small_gaps_and_kinks_are_bridged(aside_m: float, kink_deg: float, tmp_path: Path) -> None:
     second = xodr.geometry("<line/>", 60.0, 60.0, (60.0, aside_m, float(np.radians(kink_deg))))
     road = xodr.road("A", xodr.geometry("<line/>", 60.0) + second, xodr.section(xodr.lane(-1)))
-    line = CentreLine(loaded(tmp_path, 'route = ["A"]', road).road)
+    line = CentreLine(xodr.loaded(tmp_path, 'route = ["A"]', road).road)
     end = np.array([60.0, aside_m]) + 60.0 * np.array([np.cos(np.radians(kink_deg)), np.sin(np.radians(kink_deg))])
     along, right = line.local([[30.0, 0.0], (end * [1.0, -1.0]).tolist()])
     assert np.abs(right + 1.75).max() < 0.055
@@ -154,7 +148,7 @@ def test_a_kink_is_bridged_for_lanes_far_from_the_reference_line(kink_deg: float
     turn = float(np.radians(kink_deg))
     geometries = xodr.geometry("<line/>", 60.0) + xodr.geometry("<line/>", 60.0, 60.0, (60.0, 0.0, turn))
     lanes = f'<laneOffset s="0" a="-3.5"/>{xodr.section(xodr.lane(-1))}'
-    line = CentreLine(loaded(tmp_path, 'route = ["A"]', xodr.road("A", geometries, lanes)).road)
+    line = CentreLine(xodr.loaded(tmp_path, 'route = ["A"]', xodr.road("A", geometries, lanes)).road)
     end = 60.0 + 60.0 * np.exp(1j * turn)
     _, right = line.local([[30.0, 0.0], [end.real, -end.imag]])
     assert np.abs(right + 5.25).max() < 0.055
@@ -163,7 +157,7 @@ def test_a_kink_is_bridged_for_lanes_far_from_the_reference_line(kink_deg: float
 def test_of_a_gap_of_8_cm_the_line_is_within_5_cm_of_both_sides(tmp_path: Path) -> None:
     second = xodr.geometry("<line/>", 60.0, 60.0, (60.0, 0.08, 0.0))
     road = xodr.road("A", xodr.geometry("<line/>", 60.0) + second, xodr.section(xodr.lane(-1)))
-    made = loaded(tmp_path, 'route = ["A"]', road)
+    made = xodr.loaded(tmp_path, 'route = ["A"]', road)
     along, right = CentreLine(made.road).local([[x, 0.0] for x in (10.0, 59.9, 60.1, 110.0)])
     places = made.road.lane_places
     middle = right if places is None else right - places.middle(1, along)  # of the map's x axis
@@ -178,7 +172,7 @@ def test_short_geometries_that_jump_to_and_fro_become_one_bend(tmp_path: Path) -
         turn = 0.02 * i
         x, y = (25.0 - jump) * np.sin(turn), 25.0 - (25.0 - jump) * np.cos(turn)
         text += xodr.geometry('<arc curvature="0.04"/>', 0.5, 0.5 * i, (float(x), float(y), turn))
-    made = loaded(tmp_path, 'route = ["A"]', xodr.road("A", text, xodr.section(xodr.lane(-1), xodr.lane(-2))))
+    made = xodr.loaded(tmp_path, 'route = ["A"]', xodr.road("A", text, xodr.section(xodr.lane(-1), xodr.lane(-2))))
     bend = xodr.of_curvature(lambda s: np.full(s.shape, 0.04), 45.0, (0.0, 0.0, 0.0))
     along, right = CentreLine(made.road).local(
         bend.shifted(lambda s: -1.75 + 0.0 * s)[100:-100:500]

@@ -7,31 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from malformed import PLAIN as FILE
 from open_drive import point_on_lines_and_arcs, town04
 
 from vpf_sim import scenarios
 from vpf_sim.envs.road import build_road
 from vpf_sim.errors import InputError
-
-FILE = """
-schema = 1
-[road]
-lanes = 4
-lane_width_m = 3.5
-segments = [
-  {kind = "line", length_m = 60},
-  {kind = "clothoid", length_m = 30, end_radius_m = -100},
-  {kind = "arc", length_m = 80, radius_m = -100},
-]
-[goal]
-s_m = 165.0
-[[bodies]]
-kind = "car"
-s_m = 90.0
-lane = 2
-[vary]
-"bodies.lateral_m" = [-0.2, 0.3]
-"""
 
 
 def test_valid_file_is_loaded_with_defaults() -> None:

@@ -25,8 +25,7 @@ from vpf_sim.types import Perception
 from vpf_sim.types import Plan as DrivingPlan
 
 WORLD = SHORT.replace(
-    "[goal]",
-    "[ego.sensors]\nposition_noise_m = 0.01\nyaw_rate_noise_radps = 0.01\npitch_deg = 0.2\n[goal]",
+    "[goal]", "[ego.sensors]\nposition_noise_m = 0.01\nyaw_rate_noise_radps = 0.01\npitch_deg = 0.2\n[goal]"
 )
 WORLD += (
     '[[bodies]]\nkind = "car"\ns_m = 22.0\nlane = 3\nspeed_mps = 4.0\n[[bodies]]\nkind = "cone"\ns_m = 25.0\nlane = 4\n'

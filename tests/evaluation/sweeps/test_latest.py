@@ -46,8 +46,7 @@ def test_a_folder_of_this_name_is_itself(runs: Path) -> None:
 
 @pytest.mark.usefixtures("runs")
 @pytest.mark.parametrize(
-    "command",
-    [["check", "runs/latest", "--rules", "rules.toml"], ["score", "runs/latest"], ["results", "runs/latest"]],
+    "command", [["check", "runs/latest", "--rules", "rules.toml"], ["score", "runs/latest"], ["results", "runs/latest"]]
 )
 def test_commands_take_it(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     Path("rules.toml").write_text("[[rules]]\ncollisions_at_most = 0\n")

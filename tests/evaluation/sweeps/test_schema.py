@@ -55,11 +55,7 @@ def test_written_files_match_the_schema(run: Path) -> None:
 @pytest.mark.parametrize(
     ("file", "change", "sentence"),
     [
-        (
-            "episodes.jsonl",
-            put(True, "comfort"),
-            'pid.0": comfort: expected a table of numbers, got True',
-        ),
+        ("episodes.jsonl", put(True, "comfort"), 'pid.0": comfort: expected a table of numbers, got True'),
         ("episodes.jsonl", put([], "perception"), 'straight.clear.pid.0": perception: expected a valid number, got []'),
         ("episodes.jsonl", put({"passing": "far"}, "path_mse_parts_m2"), "path_mse_parts_m2.passing: expected a valid"),
         ("episodes.jsonl", put("rain", "weather"), "expected the id of its scenario, weather, driver and seed, which"),

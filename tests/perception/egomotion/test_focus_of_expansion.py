@@ -4,12 +4,7 @@ import numpy as np
 import pytest
 from driver_settings import ROBUST, expansion
 
-from vpf_sim.perception.egomotion.focus_of_expansion import (
-    as_printed,
-    derotate,
-    estimate,
-    least_squares,
-)
+from vpf_sim.perception.egomotion.focus_of_expansion import as_printed, derotate, estimate, least_squares
 from vpf_sim.perception.egomotion.ground_plane import past_image
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Flow

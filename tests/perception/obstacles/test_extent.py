@@ -102,10 +102,7 @@ def test_width_of_a_long_obstacle_is_that_of_its_face_for_a_turned_car() -> None
     sight = np.arctan2(place[:, 1], place[:, 0])
     place = place + (sigma * rng.standard_normal(80))[:, None] * np.column_stack([np.cos(sight), np.sin(sight)])
     road = RoadEdges(-7.0, 7.0, heading_rad, 0.0, 0.02, 1.0, 0.0, 3.5)
-    label, seen = (
-        np.zeros(80, np.int64),
-        ObstaclePoints(place, sigma, sight, np.zeros(80)),
-    )
+    label, seen = (np.zeros(80, np.int64), ObstaclePoints(place, sigma, sight, np.zeros(80)))
     angle = direction_at(seen, label, 1, road)
     seen = rotate(seen, angle[label])
     begin, _ = front(seen, label, 1)

@@ -262,10 +262,7 @@ def test_distortion_is_that_of_opencv() -> None:
     assert np.allclose(distort(camera, pinhole), expected[:, 0])
 
 
-@pytest.mark.parametrize(
-    ("wrong", "says"),
-    [({"lanes": 0}, "lanes"), ({"likely_lane": 5}, r"1 \.\. 4, got 5")],
-)
+@pytest.mark.parametrize(("wrong", "says"), [({"lanes": 0}, "lanes"), ({"likely_lane": 5}, r"1 \.\. 4, got 5")])
 def test_a_nonsense_configuration_is_refused(wrong: dict[str, float], says: str) -> None:
     with pytest.raises(ValueError, match=says):
         replace(ROBUST.road_edges, **wrong)  # type: ignore[arg-type]

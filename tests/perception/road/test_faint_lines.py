@@ -18,8 +18,7 @@ PAVED = 'worn = true\nsurface = "concrete"\nverge = "paved"'
 
 
 @pytest.mark.parametrize(
-    ("look", "seed"),
-    [('surface = "concrete"', 961), ("worn = true", 966), (PAVED, 871), ('edge_lines = "none"', 871)],
+    ("look", "seed"), [('surface = "concrete"', 961), ("worn = true", 966), (PAVED, 871), ('edge_lines = "none"', 871)]
 )
 def test_faint_lines_are_followed_in_hard_rain(look: str, seed: int) -> None:
     """An empty road that the PID drives along; where the edges come to lie 10 m ahead is off by less than 0.5 m."""
