@@ -1,16 +1,19 @@
 """Gaps between rectangles against the exact distance, and what is priced."""
 
+from math import hypot, pi
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from made_scene import road, tracks
 
 from vpf_sim.envs.contacts import distance
-from vpf_sim.planning.spacetime.obstacles import Body, gaps
+from vpf_sim.planning.spacetime.obstacles import Body, Gaps, gaps, nearness_m, turning_gap_m, way_ahead
 from vpf_sim.scene import predict
+from vpf_sim.types import VehicleModel
 
 COORDINATE = st.floats(-8.0, 8.0)
 ANGLE = st.floats(-3.1, 3.1)
@@ -21,16 +24,20 @@ def rectangle(x_m: float, y_m: float, heading_rad: float, length_m: float, width
     return SimpleNamespace(position=np.array([x_m, y_m]), heading=heading_rad, LENGTH=length_m, WIDTH=width_m)
 
 
-def largest_gap(
+def gaps_to(
     place: tuple[float, float, float], size: tuple[float, float], quantile: float = 0.0, sigma: float = 0.0
-) -> float:
+) -> Gaps:
     """Of the object at a place to a car of 4.5 x 1.9 m at the origin."""
     made = tracks(road(), (*place, 0.0, *size))
     made.covariance[0, 0, 0] = sigma**2
     one = np.zeros((1, 1), np.float32)
     body = Body(one, one, one + 1.0, one, one, 2.25, 0.95)
-    found = gaps(body, predict(road(), made, NOW), 0, (0.0, 0.0), quantile)
-    return float(np.max([found.along, found.across, found.object_axes]))
+    return gaps(body, predict(road(), made, NOW), 0, (0.0, 0.0), quantile)
+
+
+def largest_gap(*arguments: Any) -> float:
+    found = gaps_to(*arguments)
+    return float(np.max([found.along, found.across, found.object_along, found.object_across]))
 
 
 @given(COORDINATE, COORDINATE, ANGLE, st.floats(0.3, 6.0), st.floats(0.3, 3.0))
@@ -47,3 +54,49 @@ def test_rectangles_overlap_where_no_axis_parts_them(
 @pytest.mark.parametrize("quantile", [1.0, 2.0])
 def test_an_uncertain_object_is_longer(quantile: float) -> None:
     assert largest_gap((10.0, 0.0, 0.0), (4.0, 2.0), quantile, 0.5) == pytest.approx(10.0 - 2.25 - 2.0 - 0.5 * quantile)
+
+
+@given(st.floats(3.0, 9.0), st.floats(-4.0, 4.0), ANGLE, st.floats(0.3, 6.0), st.floats(0.3, 3.0))
+def test_the_way_ahead_is_driven_without_contact_and_ends_at_the_object(
+    x_m: float, y_m: float, heading_rad: float, length_m: float, width_m: float
+) -> None:
+    other = rectangle(x_m, y_m, heading_rad, length_m, width_m)
+    assume(distance(rectangle(0.0, 0.0, 0.0, 4.5, 1.9), other) > 0.1)
+    ahead_m = float(way_ahead(gaps_to((x_m, y_m, heading_rad), (length_m, width_m)), 0.0)[0, 0])
+    driven = np.arange(0.0, 15.0, 0.1)
+    is_met = np.array([distance(rectangle(float(x), 0.0, 0.0, 4.5, 1.9), other) == 0.0 for x in driven])
+    before, beyond = driven < ahead_m - 1e-3, (driven > ahead_m + 1e-3) & (driven < ahead_m + 0.15)
+    assert not is_met[before].any()
+    if np.isfinite(ahead_m) and y_m**2 < 0.2:  # where it drives into it, and does not touch a corner only
+        assert is_met[beyond].any()
+
+
+@pytest.mark.parametrize("turned_rad", [pi / 4.0, -pi / 4.0])
+def test_a_turned_object_is_met_at_its_own_side(turned_rad: float) -> None:
+    """A thin door of 4 m, whose middle is on the car's line: the car meets it with a corner, before its middle."""
+    ahead_m = float(way_ahead(gaps_to((8.0, 0.0, turned_rad), (4.0, 0.01)), 0.0)[0, 0])
+    assert ahead_m == pytest.approx(8.0 - 2.25 - 0.95, abs=0.02)  # at 45 deg it is as much nearer as it is aside
+    assert float(gaps_to((8.0, 0.0, turned_rad), (4.0, 0.01)).along[0, 0]) < ahead_m - 0.4
+
+
+@pytest.mark.parametrize("heading_rad", [0.0, 0.6, 1.2, 2.5])
+def test_a_long_wall_is_as_near_as_it_is_across_whatever_its_angle(heading_rad: float) -> None:
+    """The nearest point of a wall that turns away from the car is where lengths along the heading count less."""
+    wall = gaps_to(
+        (0.0, 0.95 + 1.0 + 0.5 * abs(np.cos(heading_rad)) + 3.0 * abs(np.sin(heading_rad)), heading_rad), (6.0, 1.0)
+    )
+    assert float(nearness_m(wall)[0, 0]) == pytest.approx(1.0, abs=1e-4)
+
+
+def test_the_turning_gap_is_what_a_circle_on_full_lock_needs() -> None:
+    """The car's outer front corner is followed once around the circle's middle, in small steps."""
+    vehicle, curvature = VehicleModel(), 0.28
+    x, y, yaw, farthest_m, step_m = 0.0, 0.0, 0.0, 0.0, 0.001
+    slip = np.arcsin(vehicle.l_r_m * curvature)
+    for _ in range(6000):
+        x, y = x + step_m * np.cos(yaw + slip), y + step_m * np.sin(yaw + slip)
+        yaw += step_m * curvature
+        corner = hypot(0.5 * vehicle.length_m, 0.5 * vehicle.width_m)
+        angle = yaw - np.arctan2(vehicle.width_m, vehicle.length_m)
+        farthest_m = max(farthest_m, x + corner * np.cos(angle))
+    assert turning_gap_m(vehicle, curvature) == pytest.approx(farthest_m - 0.5 * vehicle.length_m, abs=0.01)

@@ -47,6 +47,32 @@ def test_it_passes_a_parked_car_on_the_wider_side(d_m: float) -> None:
     assert motion.rejected.collision > 0
 
 
+@pytest.mark.parametrize("d_m", [-0.6, 0.6])
+def test_it_leaves_its_lane_late_for_a_parked_car(d_m: float) -> None:
+    """The way to the side takes some 10 m, so half of the 26 m are still driven in the lane's middle."""
+    on = road()
+    motion = planned(on, tracks(on, (30.0, d_m, 0.0, 0.0, *CAR)))
+    assert abs(motion.path_at(13.0)[0]) < 0.2
+    assert abs(motion.path_at(30.0)[0] - d_m) > 1.9 + 0.2
+
+
+def test_it_passes_a_parked_car_at_a_distance_that_a_driver_would_keep() -> None:
+    """Half a metre to one metre, neither along the wall of the road nor along the car."""
+    on = road()
+    planner = SpacetimePlanner(settings.load(), VehicleModel())
+    seen, now, least_m = tracks(on, (30.0, 0.6, 0.0, 0.0, *CAR)), scene(on, tracks(on)), 9.0
+    for _ in range(60):
+        motion = planner.plan(replace(now, tracks=seen))
+        time_s = now.time_s + 0.1
+        s_m, speed_mps = motion.s_at(time_s), motion.speed_at(time_s)
+        d_m, slope, _ = motion.path_at(s_m)
+        ego = scene(on, seen, s_m, d_m, speed_mps).ego._replace(yaw_rad=np.arctan(slope))
+        now = replace(now, time_s=time_s, ego=ego)
+        if abs(s_m - 30.0) < 4.5:
+            least_m = min(least_m, 0.6 - d_m - 1.9)
+    assert 0.35 < least_m < 1.0
+
+
 def test_it_stops_before_a_blocked_road() -> None:
     on = road()
     wall = tracks(on, *((16.0, d, 0.0, 0.0, *CAR) for d in (-LANE_M, 0.0, LANE_M, -1.7, 1.7)))

@@ -14,6 +14,7 @@ from vpf_sim.scene.road import Road
 from vpf_sim.types import Reals
 
 SAME_MPS = 1e-3  # end speeds that are nearer to each other are one
+STRAIGHT, STRAIGHT_PER_M = 0.02, 0.02  # slope and bend of a car that may go straight on, and turn later
 NARROW_M = 0.3  # a road that leaves less room for the car's middle is driven in its middle
 
 
@@ -31,7 +32,7 @@ class PathState:
 
 @dataclass(frozen=True, slots=True)
 class Paths:
-    """P quintics d(u) of u = (s - start) / length in [0, 1], constant beyond."""
+    """P quintics d(u) of u = (s - start) / length in [0, 1], constant before and beyond."""
 
     start_m: Reals  # (P,) s
     length_m: Reals  # (P,)
@@ -75,7 +76,10 @@ class Profiles:
 
 
 def paths(settings: CandidateSettings, start: PathState, road: Road, width_m: float, kept: Paths | None) -> Paths:
-    """Paths to lateral positions over the road's width, to the lanes' middles and straight on, and the last plan's."""
+    """Paths to lateral positions over the road's width, to the lanes' middles and straight on, and the last plan's.
+
+    A car that drives straight may go on so for a while first.
+    """
     ahead = np.array([start.s_m + max(8.0, start.speed_mps)])
     section = road.at(ahead)
     low, high = float(section.left_m[0]) + 0.5 * width_m, float(section.right_m[0]) - 0.5 * width_m
@@ -89,16 +93,20 @@ def paths(settings: CandidateSettings, start: PathState, road: Road, width_m: fl
         [np.linspace(low, high, count), middles, [np.clip(start.d_m, low, high)], [np.clip(road.route_m, low, high)]]
     )
     lengths = np.maximum(settings.least_reach_m, np.array(settings.reach_s) * start.speed_mps)
-    goal, length = (values.ravel() for values in np.meshgrid(goals, lengths, indexing="ij"))
-    found = Paths(np.full_like(goal, start.s_m), length, _quintic(start, goal, length))
+    is_straight = abs(start.slope) < STRAIGHT and abs(start.bend_per_m) < STRAIGHT_PER_M
+    waits = np.array([0.0, *settings.wait_s] if is_straight else [0.0]) * start.speed_mps
+    goal, length, wait = (values.ravel() for values in np.meshgrid(goals, lengths, waits, indexing="ij"))
+    slope, bend = (np.where(wait > 0.0, 0.0, value) for value in (start.slope, start.bend_per_m))
+    coefficients = _quintic(start.d_m, slope, bend, goal, length)
+    found = Paths(start.s_m + wait, length, coefficients)
     if kept is None:
         return found
     return Paths(*(np.concatenate([getattr(one, name) for one in (found, kept)]) for name in Paths.__slots__))
 
 
-def _quintic(start: PathState, end_m: Reals, length_m: Reals) -> Reals:
+def _quintic(start_m: float, slope: Reals, bend_per_m: Reals, end_m: Reals, length_m: Reals) -> Reals:
     """(P, 6) coefficients from the start's position, slope and bend to `end_m` without slope and bend."""
-    c0, c1, c2 = np.broadcast_arrays(start.d_m, start.slope * length_m, 0.5 * start.bend_per_m * length_m**2)
+    c0, c1, c2 = np.broadcast_arrays(start_m, slope * length_m, 0.5 * bend_per_m * length_m**2)
     rest, slope, bend = end_m - c0 - c1 - c2, -(c1 + 2.0 * c2), -2.0 * c2
     c3, c4, c5 = (
         10.0 * rest - 4.0 * slope + 0.5 * bend,

@@ -13,26 +13,33 @@ from vpf_sim.scene.road import Road
 from vpf_sim.types import Reals
 
 LEAST_REFERENCE_MPS = 0.1
+END_SHARE = np.float32(0.5)
 AHEAD_M, EVERY_M = 600.0, 4.0  # of the road beyond the horizon
 LANE_CHANGE_S = 6.0  # wanted for each lane that has to be crossed before the lane ends
 MOST_ONCOMING_M = 3.0
 
 
-def field(cost: CostSettings, motions: Motions, road: Road, reference_mps: float, ends_m: Reals) -> dict[str, Reals]:
-    """(P, M) each, or (1, M) or (P, 1), by the potential's name; `ends_m` (P,) are the paths' end positions."""
+def field(cost: CostSettings, motions: Motions, road: Road, reference_mps: float) -> dict[str, Reals]:
+    """(P, M) each, by the potential's name."""
     return {
-        "target": target(cost, motions, road, reference_mps, ends_m),
+        "target": target(cost, motions, road, reference_mps),
         "road": road_potential(cost, motions, road.overhang_m),
         "comfort": comfort(cost, motions),
     }
 
 
-def target(cost: CostSettings, motions: Motions, road: Road, reference_mps: float, ends_m: Reals) -> Reals:
-    """Speed that is lacking, on the whole and at the end, and the distance from the route."""
+def target(cost: CostSettings, motions: Motions, road: Road, reference_mps: float) -> Reals:
+    """Speed that is lacking and distance from the route, both on the whole and at the end."""
     reference = max(reference_mps, LEAST_REFERENCE_MPS)
     lacking = ((motions.speed_mps - np.float32(reference_mps)) / np.float32(reference)) ** 2
-    along = cost.speed * (lacking.mean(axis=2) + 0.5 * lacking[..., -1])
-    return np.asarray(along + cost.route * np.abs(ends_m - road.route_m)[:, None], np.float32)
+    off = np.abs(motions.d_m - np.float32(road.route_m))
+    return np.asarray(cost.speed * _whole_and_end(lacking) + cost.route * _whole_and_end(off), np.float32)
+
+
+def _whole_and_end(values: Reals) -> Reals:
+    """(P, M) mean in time, and half the last value, which stands for the time beyond the horizon."""
+    whole: Reals = values.mean(axis=2) + END_SHARE * values[..., -1]
+    return whole
 
 
 def ending_lanes(cost: CostSettings, road: Road, start: PathState, width_m: float, ends_m: Reals) -> Reals:

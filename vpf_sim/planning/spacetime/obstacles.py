@@ -6,6 +6,7 @@ doi:10.1145/237170.237244).
 """
 
 from dataclasses import dataclass
+from math import hypot, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -23,13 +24,11 @@ NEAR_S = 4.0  # and nearness
 ALONG_SHARE = 0.4  # a metre ahead is as near as so much to the side
 IN_LANE_M = 0.25  # who is nearer to the own path, across, is followed
 BRAKING_MPS2 = 5.5  # of the braking distance, for both cars
-STANDING_GAP_M, REACTION_S = 1.0, 0.3
+REACTION_S = 0.3
 GAP_S = 0.9
 STANDING_MPS, STANDING_SHARE = 0.1, np.float32(0.5)  # of the price, where the car stands and is hit
 BESIDE_M = 0.1  # a track that would pass the car by more does not follow it
-BEYOND_S = 8.0  # an object ahead allows the speed with which it is reached in this time beyond its rear
-BEYOND_GAP_M = 2.0
-BEYOND_SIDE_M = 0.2
+LEAST_RATE = np.float32(1e-6)
 OUT_OF_REACH_M = 40.0
 
 
@@ -38,9 +37,13 @@ class Gaps(NamedTuple):
 
     along: Reals  # the car's axes
     across: Reals
-    object_axes: Reals  # the larger of the object's two
+    object_along: Reals  # the object's axes
+    object_across: Reals
     forward: Reals  # place of the object's middle, in the car's axes
-    same_way: Reals  # cosine between the headings
+    lengthwise: Reals  # and from the car's middle, in the object's axes
+    sideways: Reals
+    same_way: Reals  # of the car's heading, in the object's axes
+    other_way: Reals
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,18 +76,47 @@ def gaps(body: Body, prediction: Prediction, k: int, origin_m: tuple[float, floa
     cosine, sine = np.cos(heading).astype(np.float32), np.sin(heading).astype(np.float32)
     half_length = np.float32(0.5 * prediction.tracks.length_m[k] + quantile * prediction.along_sigma_m[k])
     half_width = np.float32(0.5 * prediction.tracks.width_m[k] + quantile * prediction.across_sigma_m[k])
-    same_way = cosine * body.cosine + sine * body.sine
-    same, turned = np.abs(same_way), np.abs(sine * body.cosine - cosine * body.sine)
+    same_way, other_way = cosine * body.cosine + sine * body.sine, cosine * body.sine - sine * body.cosine
+    same, turned = np.abs(same_way), np.abs(other_way)
     forward, right = body.cosine * dx + body.sine * dy, body.cosine * dy - body.sine * dx
+    lengthwise, sideways = cosine * dx + sine * dy, cosine * dy - sine * dx
     along = np.abs(forward) - (body.half_length_m + same * half_length + turned * half_width)
     across = np.abs(right) - (body.half_width_m + turned * half_length + same * half_width)
-    object_along = np.abs(cosine * dx + sine * dy) - (
-        half_length + same * body.half_length_m + turned * body.half_width_m
-    )
-    object_across = np.abs(cosine * dy - sine * dx) - (
-        half_width + turned * body.half_length_m + same * body.half_width_m
-    )
-    return Gaps(along, across, np.maximum(object_along, object_across), forward, same_way)
+    object_along = np.abs(lengthwise) - (half_length + same * body.half_length_m + turned * body.half_width_m)
+    object_across = np.abs(sideways) - (half_width + turned * body.half_length_m + same * body.half_width_m)
+    return Gaps(along, across, object_along, object_across, forward, lengthwise, sideways, same_way, other_way)
+
+
+def way_ahead(gap: Gaps, wider_m: float) -> Reals:
+    """(N, T) m straight ahead until the car, `wider_m` wider on each side, meets the object; inf where it passes.
+
+    They meet while they overlap along all axes: from the last axis's beginning to the first one's end.
+    """
+    begin, end = gap.along, 2.0 * gap.forward - gap.along
+    axes = (gap.lengthwise, gap.object_along, gap.same_way), (gap.sideways, gap.object_across, gap.other_way)
+    for (place, apart, rate), (_, _, other) in zip(axes, axes[::-1], strict=True):
+        towards = np.where(rate < 0.0, -place, place)
+        reach = np.abs(place) - apart + np.float32(wider_m) * np.abs(other)
+        rate = np.maximum(np.abs(rate), LEAST_RATE)
+        begin, end = np.maximum(begin, (towards - reach) / rate), np.minimum(end, (towards + reach) / rate)
+    meets = (gap.forward > 0.0) & (gap.across < wider_m) & (begin < end)
+    return np.where(meets, begin, np.float32(np.inf))
+
+
+def nearness_m(gap: Gaps) -> Reals:
+    """(N, T) distance from the object, with lengths along the car's heading shortened to `ALONG_SHARE`."""
+    same, turned = gap.same_way**2 / ALONG_SHARE**2, gap.other_way**2 / ALONG_SHARE**2
+    lengthwise = gap.object_along / np.sqrt(same + gap.other_way**2)
+    sideways = gap.object_across / np.sqrt(turned + gap.same_way**2)
+    apart: Reals = np.maximum(np.maximum(gap.along * ALONG_SHARE, gap.across), np.maximum(lengthwise, sideways))
+    return apart
+
+
+def turning_gap_m(vehicle: VehicleModel, curvature_per_m: float) -> float:
+    """m before a wall from which the car can turn away from it: how far its outer corner moves forward in a circle."""
+    rear_m = sqrt(curvature_per_m**-2 - vehicle.l_r_m**2)  # the circle's radius at the rear axle
+    front_m = vehicle.l_r_m + 0.5 * vehicle.length_m
+    return hypot(front_m, rear_m + 0.5 * vehicle.width_m) - front_m
 
 
 class ObstaclePotential:
@@ -100,9 +132,10 @@ class ObstaclePotential:
         scene: Scene,
     ) -> None:
         self._limits, self._cost = limits, cost
-        self._prediction, self._ego = prediction, scene.ego
+        self._prediction = prediction
         self._follows = _follows(prediction, scene.ego, vehicle)
         self._vehicle, self._reference_mps = vehicle, scene.speed_reference_mps
+        self._standing_gap_m = np.float32(turning_gap_m(vehicle, limits.curvature_per_m))
         self._quantile = float(ndtri(1.0 - limits.occupied))
         self._contact_decay = np.exp(-times_s / CONTACT_S).astype(np.float32)
         self._near_decay = np.exp(-times_s / NEAR_S).astype(np.float32)
@@ -130,7 +163,8 @@ class ObstaclePotential:
         """(N, T) price of an occupied place: more for a hard impact, a deep overlap, and soon."""
         limits = self._limits
         apart = np.maximum(
-            np.maximum(gap.along - limits.along_m, gap.across - limits.across_m), gap.object_axes - limits.across_m
+            np.maximum(gap.along - limits.along_m, gap.across - limits.across_m),
+            np.maximum(gap.object_along, gap.object_across) - limits.across_m,
         )
         impact = 0.4 + 0.15 * np.minimum(np.abs(speed - np.maximum(other, 0.0)), 12.0)
         share = np.where(speed < STANDING_MPS, STANDING_SHARE, np.float32(1.0))
@@ -139,45 +173,20 @@ class ObstaclePotential:
 
     def _nearness(self, gap: Gaps, speed: Reals) -> Reals:
         """(N, T) potential of an object: more beside it than behind it, and at speed."""
-        apart = np.maximum(np.maximum(np.maximum(gap.along, gap.object_axes) * ALONG_SHARE, gap.across), 0.0)
+        apart = np.maximum(nearness_m(gap), 0.0)
         share = 0.15 + speed / (self._reference_mps + 0.1)
         potential: Reals = self._cost.near * np.exp(-apart / self._cost.near_scale_m) * share * self._near_decay
         return potential
 
     def _distance_behind(self, gap: Gaps, speed: Reals, other: Reals) -> Reals:
         """(N, T) cost of less than the braking distance, and of less than a second, behind what is ahead."""
-        ahead = (gap.forward > 0.0) & (gap.across < IN_LANE_M)
+        ahead = way_ahead(gap, IN_LANE_M) - self._standing_gap_m
         closing = np.maximum(speed**2 - np.maximum(other, 0.0) ** 2, 0.0)
-        braking = np.maximum(STANDING_GAP_M + REACTION_S * speed + 0.5 * closing / BRAKING_MPS2 - gap.along, 0.0)
-        second = np.maximum(STANDING_GAP_M + GAP_S * speed - gap.along, 0.0)
-        cost = self._cost.follow * braking**2 / (1.0 + 0.05 * speed**2)
+        braking = np.maximum(REACTION_S * speed + 0.5 * closing / BRAKING_MPS2 - ahead, 0.0)
+        second = np.maximum(GAP_S * speed - ahead, 0.0)
+        cost: Reals = self._cost.follow * braking**2 / (1.0 + 0.05 * speed**2)
         cost += self._cost.time_gap * second**2 / (1.0 + 0.02 * speed**2)
-        return np.where(ahead, cost, np.float32(0.0))
-
-    def blocked(self, ends_m: Reals) -> Reals:
-        """(P,) squared share of the speed that is lacking beyond the horizon at the paths' end positions."""
-        prediction, tracks, ego = self._prediction, self._prediction.tracks, self._ego
-        allowed = np.full(len(ends_m), self._reference_mps)
-        for k in np.flatnonzero(_keeps_lane(prediction)).tolist():
-            same = abs(np.cos(prediction.heading_rad[k, 0] - ego.yaw_rad))
-            turned = np.sqrt(max(1.0 - same**2, 0.0))
-            half_length = 0.5 * (same * tracks.length_m[k] + turned * tracks.width_m[k])
-            half_width = 0.5 * (turned * tracks.length_m[k] + same * tracks.width_m[k])
-            gap_m = tracks.s_m[k] - ego.s_m - half_length - 0.5 * self._vehicle.length_m
-            if gap_m < -half_length:
-                continue
-            speed = max(0.0, prediction.along_mps[k] + max(gap_m - BEYOND_GAP_M, 0.0) / BEYOND_S)
-            is_blocked = np.abs(ends_m - tracks.d_m[k]) < half_width + 0.5 * self._vehicle.width_m + BEYOND_SIDE_M
-            allowed = np.where(is_blocked, np.minimum(allowed, speed), allowed)
-        lacking: Reals = ((self._reference_mps - allowed) / max(self._reference_mps, 0.1)) ** 2
-        return self._cost.blocked * lacking
-
-
-def _keeps_lane(prediction: Prediction) -> Bools:
-    """(K,) on the road, and not moving across it."""
-    across, along = np.abs(prediction.across_mps), np.abs(prediction.along_mps)
-    keeps: Bools = prediction.on_road & (across <= 0.5 * along + 0.3)
-    return keeps
+        return cost
 
 
 def _follows(prediction: Prediction, ego: EgoState, vehicle: VehicleModel) -> Bools:

@@ -25,8 +25,7 @@ BATCH = 200  # motions that are compared with the objects at a time
 ON_PLAN_M, ON_PLAN_MPS = 0.3, 0.7  # a car that is nearer to its plan goes on from the plan
 LARGEST_ANGLE_RAD = 0.9
 SLOW_MPS = 0.3  # below it the yaw rate tells nothing of the curvature
-MOST_CHANGE_M = 1.0
-SPEED_CHANGE_S = 1.0
+CHANGE_S = 1.0  # ahead, at which a plan is compared with the last
 
 
 class SpacetimePlanner:
@@ -44,12 +43,12 @@ class SpacetimePlanner:
         paths, profiles = self._candidates(scene, start)
         considered = motions(scene.road, start, paths, profiles, self._vehicle)
         prices = limits.prices(self._settings.limits, considered, self._times_s, scene.road.overhang_m)
-        potentials = field(self._settings.cost, considered, scene.road, scene.speed_reference_mps, paths.end_m)
+        potentials = field(self._settings.cost, considered, scene.road, scene.speed_reference_mps)
         objects = self._objects(scene)
-        beyond = objects.blocked(paths.end_m) + self._ending_lanes(scene, start, paths)
+        beyond = self._ending_lanes(scene, start, paths)
         shape = considered.d_m.shape[:2]
         price = np.broadcast_to(sum(prices.values()), shape).ravel()
-        cost = sum(potentials.values()) + beyond[:, None] + self._changes(scene, paths, profiles)
+        cost = sum(potentials.values()) + beyond[:, None] + self._changes(scene, considered)
         cost = np.broadcast_to(cost, shape).ravel() + price
         best, least, contact_price, collisions = self._cheapest(objects, considered, cost)
         p, m = divmod(best, shape[1])
@@ -107,18 +106,16 @@ class SpacetimePlanner:
         slope = tan(angle) * (1.0 - curvature * ego.d_m)
         return PathState(ego.s_m, ego.d_m, slope, (own - curvature) / cos(angle) ** 3, ego.speed_mps, 0.0)
 
-    def _changes(self, scene: Scene, paths: Paths, profiles: Profiles) -> Reals:
-        """(P, M) cost of another end position and of another speed than in the last plan."""
+    def _changes(self, scene: Scene, considered: Motions) -> Reals:
+        """(P, M) cost of another place across the road and another speed, soon, than in the last plan."""
         last = self.motion
         if last is None:
             return np.zeros((1, 1))
-        aside = np.minimum(np.abs(paths.end_m - last.path.end_m), MOST_CHANGE_M)
-        soon = round(SPEED_CHANGE_S / self._settings.candidates.step_s)
-        faster = np.abs(profiles.speed_mps[:, soon] - last.speed_at(scene.time_s + SPEED_CHANGE_S))
-        cost = self._settings.cost
-        changed: Reals = (
-            cost.change_side * (aside + 0.5 * (aside > ON_PLAN_M))[:, None] + cost.change_speed * faster[None]
-        )
+        soon, time_s = round(CHANGE_S / self._settings.candidates.step_s), scene.time_s + CHANGE_S
+        planned_m, _, _ = last.path_at(last.s_at(time_s))
+        aside = np.abs(considered.d_m[:, :, soon] - planned_m)
+        faster = np.abs(considered.speed_mps[:, :, soon] - last.speed_at(time_s))
+        changed: Reals = self._settings.cost.change_side * aside + self._settings.cost.change_speed * faster
         return changed
 
     def _cheapest(self, objects: ObstaclePotential, considered: Motions, cost: Reals) -> tuple[int, float, float, int]:

@@ -18,6 +18,7 @@ class CandidateSettings:
     least_reach_m: tuple[float, ...] = setting(
         "Least lengths of the way to an end position, one for each time.", min_length=1
     )
+    wait_s: tuple[float, ...] = setting("Times for which a car that drives straight may do so before it turns.")
     emergency_mps2: tuple[float, ...] = setting(
         "Decelerations of the stops that are always among the candidates.", min_length=1
     )
@@ -39,13 +40,10 @@ class LimitSettings:
 @settings
 class CostSettings:
     speed: float = setting("Weight of the squared share of the reference speed that is lacking.", ge=0.0)
-    blocked: float = setting(
-        "Weight of the same beyond the horizon, where an object ahead blocks the end position.", ge=0.0
-    )
     acceleration: float = setting("Weight of the mean squared acceleration.", ge=0.0)
     lateral: float = setting("Weight of the mean squared lateral acceleration.", ge=0.0)
     lane: float = setting("Weight of the mean squared distance from the nearest lane's middle.", ge=0.0)
-    route: float = setting("Weight of the distance of the end position from the route.", ge=0.0)
+    route: float = setting("Weight of the mean distance from the route.", ge=0.0)
     lane_end: float = setting("Weight of the lacking time to leave a lane that ends.", ge=0.0)
     oncoming: float = setting("Weight of the mean width that the car covers of lanes of oncoming traffic.", ge=0.0)
     edge: float = setting("Weight of the nearness of the road's edges.", ge=0.0)
@@ -54,7 +52,7 @@ class CostSettings:
     near_scale_m: float = setting("Distance in which the potential of an object falls to its e-th part.", gt=0.0)
     follow: float = setting("Weight of the squared lack of braking distance behind an object.", ge=0.0)
     time_gap: float = setting("Weight of the squared lack of a second's distance behind an object.", ge=0.0)
-    change_side: float = setting("Weight of another end position than in the last plan.", ge=0.0)
+    change_side: float = setting("Weight of the distance from the last plan, one second ahead.", ge=0.0)
     change_speed: float = setting("Weight of another speed than in the last plan, one second ahead.", ge=0.0)
 
 
