@@ -11,7 +11,6 @@ from shell_blocks import shell_lines
 from systems import POSIX_ONLY
 
 import vpf_sim
-from vpf_sim import cli
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
@@ -67,14 +66,6 @@ def test_the_commands_do_what_they_say(tmp_path: Path) -> None:
             ["sh", "-c", line], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
         )
         assert done.returncode == (1 if line.startswith("vpf-sim check") else 0), f"{line}\n{done.stderr}"
-
-
-@pytest.mark.parametrize("command", COMMANDS)
-def test_the_commands_exist(command: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run([command, "--help"]) == 0
-    said = capsys.readouterr()
-    assert said.err == ""
-    assert said.out.split()[:3] == ["Usage:", "vpf-sim", command]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

@@ -14,6 +14,7 @@ from vpf_sim.drivers import command_of, trace_of
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.geometry import rotation, wrap_angle
+from vpf_sim.perception.paper import obstacle_map
 from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.types import Floats, Plan
 
@@ -103,6 +104,24 @@ def test_turning_and_moving_the_world_changes_no_command(name: str, drive: Drive
     assert there == pytest.approx(here, abs=1e-6)
     assert np.abs(here[:, 1]).max() > 0.05
     assert name == "vpf-paper" or len(plan.perception.obstacles) > 0
+    assert plan.force.total == pytest.approx(plan.force.target + plan.force.obstacle + plan.force.road)
+
+
+def test_literal_is_not_equivariant(drive: Drive) -> None:
+    """The transposed rotation and the angle of the world make headings off the X axis special."""
+    (_, here), (_, away) = (driven("vpf-literal", one) for one in (drive, moved(drive, radians(30.0), (0.0, 0.0))))
+    turn = wrap_angle(away.reference.heading_rad - here.reference.heading_rad)
+    assert abs(wrap_angle(turn - radians(30.0))) > radians(10.0)
+
+
+def test_the_obstacle_map_is_computed_once_where_it_is_asked_for(drive: Drive, monkeypatch: pytest.MonkeyPatch) -> None:
+    requested, detect = [], obstacle_map.detect
+    monkeypatch.setattr(obstacle_map, "detect", lambda *given: requested.append(0) or detect(*given))
+    seen = driven("vpf", drive)[1].perception
+    assert not requested, "the lane planner goes by obstacles"
+    shapes = {found.shape for found in (seen.features.obstacle_map.on_obstacle, seen.features.ttc_s)}
+    assert shapes == {seen.flow.points_px.shape[:1]}
+    assert len(requested) == 1
 
 
 def test_the_mirror_image_is_seen_and_planned_the_other_way(drive: Drive, tmp_path: Path) -> None:

@@ -5,7 +5,8 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 import pytest
-from highway_worlds import IDS, original, world
+from gymnasium.envs.registration import load_env_creator
+from highway_worlds import IDS, world
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -15,7 +16,8 @@ from vpf_sim.scenarios.highway import without_version
 
 PAGE = (Path(__file__).parents[2] / "docs" / "highway-env.md").read_text("utf-8")
 REGISTERED = sorted(name for name, spec in gymnasium.registry.items() if "highway_env" in str(spec.entry_point))
-CONNECTED = [name for name in IDS if original(name, 0).config.get("neighbour_vehicles_connected_lanes")]
+KINDS = {name: load_env_creator(gymnasium.registry[name].entry_point) for name in IDS}
+CONNECTED = [name for name, kind in KINDS.items() if kind.default_config().get("neighbour_vehicles_connected_lanes")]
 
 
 @pytest.mark.parametrize("name", REGISTERED)

@@ -1,5 +1,6 @@
 """Random roads keep the limits of the file for every seed."""
 
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -19,7 +20,10 @@ def load() -> RandomScenario:
     return scenario
 
 
-DRAWN = [load().draw(seed) for seed in SEEDS]
+@cache
+def all_drawn() -> list[Scenario]:
+    """One for each seed."""
+    return [load().draw(seed) for seed in SEEDS]
 
 
 def rows(scenario: Scenario) -> list[list[tuple[float, float, float]]]:
@@ -53,7 +57,7 @@ def reachable(scenario: Scenario) -> bool:
 
 
 def test_routes_bends_and_rows_are_within_the_limits() -> None:
-    for drawn in DRAWN:
+    for drawn in all_drawn():
         assert 250.0 <= drawn.goal.s_m - drawn.ego.s_m <= 400.0
         radii = [getattr(part, "radius_m", getattr(part, "end_radius_m", None)) for part in drawn.road.segments]
         assert all(abs(radius) >= 80.0 for radius in radii if radius is not None)
@@ -61,7 +65,7 @@ def test_routes_bends_and_rows_are_within_the_limits() -> None:
 
 
 def test_rows_keep_their_distances_and_a_reachable_gap() -> None:
-    for drawn in DRAWN:
+    for drawn in all_drawn():
         places = [row[0][0] for row in rows(drawn)]
         assert all(place - drawn.ego.s_m >= 50.0 for place in places)
         assert all(after - before >= 40.0 for before, after in pairwise(places))
@@ -70,23 +74,23 @@ def test_rows_keep_their_distances_and_a_reachable_gap() -> None:
 
 
 def test_obstacles_of_a_row_do_not_touch() -> None:
-    for drawn in DRAWN:
+    for drawn in all_drawn():
         assert all(b[1] > a[2] for row in rows(drawn) for a, b in pairwise(row))
 
 
 def test_draws_cover_all_kinds_row_counts_and_bend_directions() -> None:
-    assert {obj.kind for drawn in DRAWN for obj in drawn.bodies} == set(SIZES) - {"cyclist", "deer", "door"}
-    assert {len(rows(drawn)) for drawn in DRAWN} == {0, 1, 2, 3, 4}
-    radii = [part.radius_m for drawn in DRAWN for part in drawn.road.segments if part.kind == "arc"]
+    assert {obj.kind for drawn in all_drawn() for obj in drawn.bodies} == set(SIZES) - {"cyclist", "deer", "door"}
+    assert {len(rows(drawn)) for drawn in all_drawn()} == {0, 1, 2, 3, 4}
+    radii = [part.radius_m for drawn in all_drawn() for part in drawn.road.segments if part.kind == "arc"]
     assert min(radii) < -80.0
     assert max(radii) > 80.0
-    headings = [drawn.road.heading_deg for drawn in DRAWN]
+    headings = [drawn.road.heading_deg for drawn in all_drawn()]
     assert min(headings) < -120.0
     assert max(headings) > 120.0
 
 
 def test_roads_never_come_near_themselves() -> None:
-    for drawn in DRAWN[:60]:
+    for drawn in all_drawn()[:60]:
         centre = build_road(drawn, stream(0, "road")).network.centre
         s = np.arange(0.0, drawn.road.length_m, 2.0)
         points = np.array([centre.position_at(float(station), 0.0) for station in s])
