@@ -30,7 +30,7 @@ from vpf_sim.reporting.top_view import Rectangle, Scene
 from vpf_sim.types import Plan as DrivingPlan
 
 WEATHER = "rain"
-MOVING = SHORT + '[[bodies]]\nkind = "car"\ns_m = 22.0\nlane = 3\nspeed_mps = 4.0\n'
+MOVING = SHORT.replace("s_m = 11.0", "s_m = 9.0") + '[[bodies]]\nkind = "car"\ns_m = 22.0\nlane = 3\nspeed_mps = 4.0\n'
 
 
 @pytest.fixture(scope="module")

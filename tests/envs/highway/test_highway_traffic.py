@@ -40,7 +40,7 @@ def test_the_traffic_is_highway_envs_own(name: str) -> None:
     assert len(ours.road.objects) == len(theirs.road.objects)
 
 
-@pytest.mark.parametrize("name", ROADS)
+@pytest.mark.parametrize("name", ROADS[::2])
 def test_the_same_seed_gives_the_same_frames_whatever_was_driven_before(name: str) -> None:
     def frames() -> list[np.ndarray]:
         env = FourLane(name, "rain", rig=SMALL, rate_hz=20.0)

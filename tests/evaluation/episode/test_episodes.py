@@ -77,8 +77,11 @@ def test_the_neutral_driver_leaves_a_bend() -> None:
     assert record["route_completion"] < 0.6
 
 
-def test_the_field_passes_both_obstacles() -> None:
-    record = drive("town04", "vpf", seed=1003)
+def test_the_field_passes_both_obstacles(tmp_path: Path) -> None:
+    """From 20 m before the first to 26 m behind the second."""
+    path = tmp_path / "both.toml"
+    path.write_text('schema = 1\nbase = "town04"\n[ego]\ns_m = 58.0\n[goal]\ns_m = 188.0\n')
+    record = drive(str(path), "vpf", seed=1003)
     assert (record["status"], record["collisions"]) == ("success", 0)
     assert record["path_mse_m2"] <= PAPER_MSE_M2["town04"]
     assert record["min_clearance_m"] > 0.0
