@@ -15,7 +15,7 @@ import mutations
 import numpy as np
 import pytest
 import recorded_layouts as layouts
-from hypothesis import HealthCheck, given, settings
+from examples_of import MANY, check
 from hypothesis import strategies as st
 from malformed import RULES, SCENARIO, SWEEP, WEATHER
 from systems import at_most
@@ -29,7 +29,6 @@ from vpf_sim.planning import variant
 from vpf_sim.replay import drive_file, plausible, readers
 from vpf_sim.replay.recording import Recording
 
-MANY = [50, pytest.param(1000, marks=pytest.mark.slow)]
 LONGEST_CPU_S = 20
 LONGEST_LINE, MOST_LINES = 1000, 40
 RANDOM_SCENARIO = "schema = 1\n[random]\nlength_m = [200.0, 250.0]\nrows = [1, 3]\n"
@@ -38,18 +37,6 @@ VARIANT = (
     "[lane_planner.lateral_cost]\nreach_m = 10.0\nspacing_m = 0.1\n"
     "[lane_planner.path]\nspeed_mps = 1.5\n"
 )
-
-
-def check(examples: int, strategy: st.SearchStrategy[Any], holds: Callable[[Any], None]) -> None:
-    """Whether a property holds for that many examples: the same ones in every run of the fast tests."""
-    chosen = settings(
-        max_examples=examples,
-        deadline=None,
-        database=None,
-        derandomize=examples < 1000,
-        suppress_health_check=list(HealthCheck),
-    )
-    chosen(given(strategy)(holds))()
 
 
 def outcome(read: Callable[[], Any], folder: Path, most_lines: int = 1) -> Any:

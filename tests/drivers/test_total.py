@@ -10,7 +10,7 @@ import ideal
 import numpy as np
 import pytest
 import total_scenes as scenes
-from hypothesis import HealthCheck, given, settings
+from examples_of import MANY, check
 from hypothesis import strategies as st
 
 from vpf_sim import drivers
@@ -26,8 +26,6 @@ from vpf_sim.planning.planner import create_planner
 from vpf_sim.replay.model_vehicle import Interval, ModelVehicle
 from vpf_sim.types import Floats, LowObstacleRange, Obstacles, Reference, RoadEdges
 
-FEW = settings(max_examples=50, deadline=None, derandomize=True, database=None, suppress_health_check=list(HealthCheck))
-MANY = settings(FEW, max_examples=1000)
 GAINS = ("literal", "paper", "robust", "super-twisting")
 
 
@@ -47,17 +45,9 @@ def assert_plans_and_commands(drive: scenes.Drive) -> None:
         assert_command(controller.command(observation, reference))
 
 
-@FEW
-@given(scenes.drives())
-def test_any_scene_gives_a_command(drive: scenes.Drive) -> None:
-    assert_plans_and_commands(drive)
-
-
-@pytest.mark.slow
-@MANY
-@given(scenes.drives())
-def test_any_of_a_thousand_scenes_gives_a_command(drive: scenes.Drive) -> None:
-    assert_plans_and_commands(drive)
+@pytest.mark.parametrize("examples", MANY)
+def test_any_scene_gives_a_command(examples: int) -> None:
+    check(examples, scenes.drives(), assert_plans_and_commands)
 
 
 @pytest.mark.parametrize("rate_hz", [5.0, 10.0, 20.0])
@@ -138,27 +128,11 @@ def assert_carries_out(gains: str, rate_hz: float, steps: list[tuple[Observation
         assert np.isfinite([model.right_m, model.turn_rad, model.speed_mps]).all()
 
 
-LAWS = pytest.mark.parametrize("assert_law", [assert_controls, assert_carries_out])
-Law = Callable[[str, float, list[tuple[Observation, Reference]]], None]
-
-
-@LAWS
-@FEW
-@given(st.sampled_from(GAINS), st.floats(5.0, 120.0), STEPS)
-def test_any_reference_gives_a_command(
-    assert_law: Law, gains: str, rate_hz: float, steps: list[tuple[Observation, Reference]]
-) -> None:
-    assert_law(gains, rate_hz, steps)
-
-
-@pytest.mark.slow
-@LAWS
-@MANY
-@given(st.sampled_from(GAINS), st.floats(5.0, 120.0), STEPS)
-def test_any_of_a_thousand_references_gives_a_command(
-    assert_law: Law, gains: str, rate_hz: float, steps: list[tuple[Observation, Reference]]
-) -> None:
-    assert_law(gains, rate_hz, steps)
+@pytest.mark.parametrize("examples", MANY)
+@pytest.mark.parametrize("assert_law", [assert_controls, assert_carries_out])
+def test_any_reference_gives_a_command(assert_law: Callable[..., None], examples: int) -> None:
+    given = st.tuples(st.sampled_from(GAINS), st.floats(5.0, 120.0), STEPS)
+    check(examples, given, lambda one: assert_law(*one))
 
 
 @st.composite
@@ -181,19 +155,9 @@ FOLLOWERS = st.sampled_from(["pid", "pure-pursuit", "stanley", "neutral"])
 SEEN = st.lists(observations(), min_size=1, max_size=12)
 
 
-@FEW
-@given(FOLLOWERS, scenes.setups(), routes(), SEEN)
-def test_any_route_gives_a_command(name: str, setup: DriverSetup, route: Floats, seen: list[Observation]) -> None:
-    assert_follows(name, setup, route, seen)
-
-
-@pytest.mark.slow
-@MANY
-@given(FOLLOWERS, scenes.setups(), routes(), SEEN)
-def test_any_of_a_thousand_routes_gives_a_command(
-    name: str, setup: DriverSetup, route: Floats, seen: list[Observation]
-) -> None:
-    assert_follows(name, setup, route, seen)
+@pytest.mark.parametrize("examples", MANY)
+def test_any_route_gives_a_command(examples: int) -> None:
+    check(examples, st.tuples(FOLLOWERS, scenes.setups(), routes(), SEEN), lambda one: assert_follows(*one))
 
 
 @pytest.fixture(scope="module")
@@ -204,13 +168,13 @@ def traffic() -> Iterator[FourLane]:
         yield env
 
 
-@FEW
-@given(scenes.SPEEDS, SEEN)
-def test_any_place_on_or_off_the_road_gives_a_command(
-    traffic: FourLane, reference_mps: float, seen: list[Observation]
-) -> None:
+def test_any_place_on_or_off_the_road_gives_a_command(traffic: FourLane) -> None:
     """Of the one baseline that is told the world."""
-    driver = drivers.create("idm")
-    driver.reset(replace(setup_for(driver, traffic, 1), speed_reference_mps=reference_mps))
-    for observation in seen:
-        assert_command(driver.act(observation))
+
+    def assert_drives(given: tuple[float, list[Observation]]) -> None:
+        driver = drivers.create("idm")
+        driver.reset(replace(setup_for(driver, traffic, 1), speed_reference_mps=given[0]))
+        for observation in given[1]:
+            assert_command(driver.act(observation))
+
+    check(50, st.tuples(scenes.SPEEDS, SEEN), assert_drives)

@@ -10,6 +10,7 @@ from typing import Any
 import av
 import numpy as np
 import pytest
+from driven_run import drive_run
 from short_scenario import SHORT
 
 from vpf_sim import cli
@@ -19,9 +20,7 @@ from vpf_sim.envs.network import RoadLines
 from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.steps import Step, StepTable
-from vpf_sim.evaluation.sweeps.manifest import Manifest
 from vpf_sim.evaluation.sweeps.plan import Plan
-from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 from vpf_sim.reporting import episode_view, redraw, top_view
 from vpf_sim.reporting.episode_view import Strips, signals_of
 from vpf_sim.reporting.redraw import Redrawing, redrawing
@@ -45,13 +44,7 @@ def driven(tmp_path_factory: pytest.TempPathFactory, seen: list[DrivingPlan | No
     root = tmp_path_factory.mktemp("redraw")
     (root / "moving.toml").write_text(MOVING)
     plan = Plan((str(root / "moving.toml"),), (WEATHER,), ("vpf",), "3:4")
-    folder = RunFolder(root / "run", Manifest.of("sweep", plan))
-    (job,) = plan.jobs()
-    result = episode.run(*job, watch=lambda _, plan: seen.append(plan))
-    steps.write(result.steps, folder.path / "steps" / f"{job.id}.parquet")
-    folder.add(result.record, result.timing)
-    folder.close()
-    return folder.path
+    return drive_run(root / "run", plan, watch=lambda _, plan: seen.append(plan))
 
 
 @pytest.fixture(scope="module")

@@ -11,19 +11,15 @@ from typing import Any
 import chromium
 import numpy as np
 import pytest
+from driven_run import drive_run
 from short_scenario import SHORT
 
 from vpf_sim import cli
-from vpf_sim.evaluation import steps
 from vpf_sim.evaluation.analysis.rows import Row, read_summary
 from vpf_sim.evaluation.analysis.statistics import paired_shares, share_interval
-from vpf_sim.evaluation.analysis.summary import summarize
-from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics.records import Record, unscored
-from vpf_sim.evaluation.sweeps.manifest import Manifest
 from vpf_sim.evaluation.sweeps.plan import Plan
-from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 from vpf_sim.reporting import clips, headline, main_table, page
 from vpf_sim.reporting.main_table import DRIVING, Order
 from vpf_sim.reporting.run_data import open_run
@@ -82,14 +78,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (root / f"{name}.toml").write_text(text)
         scenarios.append(str(root / f"{name}.toml"))
     plan = Plan(tuple(scenarios), ("clear",), ("vpf", "pid"), "3:5")
-    folder = RunFolder(root / "run", Manifest.of("sweep", plan))
-    for job in plan.jobs():
-        result = episode.run(*job)
-        steps.write(result.steps, folder.path / "steps" / f"{job.id}.parquet")
-        folder.add(result.record, result.timing)
-    folder.write_json("summary.json", summarize(plan.jobs(), folder.records()).as_json())
-    folder.close()
-    return folder.path
+    return drive_run(root / "run", plan)
 
 
 @pytest.fixture(scope="module")

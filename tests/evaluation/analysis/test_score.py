@@ -8,18 +8,16 @@ from typing import Any
 
 import numpy as np
 import pytest
+from driven_run import drive_run
 from short_scenario import write_short
 
 from vpf_sim import cli
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import parquet, steps
 from vpf_sim.evaluation.analysis import rescore
-from vpf_sim.evaluation.analysis.summary import summarize
-from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.job import Job
 from vpf_sim.evaluation.metrics import collision
-from vpf_sim.evaluation.metrics.records import Timing, unscored
-from vpf_sim.evaluation.sweeps.manifest import Manifest, read_manifest
+from vpf_sim.evaluation.sweeps.manifest import read_manifest
 from vpf_sim.evaluation.sweeps.plan import Plan
 from vpf_sim.evaluation.sweeps.run_folder import RunFolder, read_lines
 
@@ -29,16 +27,7 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of two drivers and two seeds, one of whose episodes ended by a worker's death."""
     root = tmp_path_factory.mktemp("score")
     plan = Plan((str(write_short(root)),), ("clear",), ("pid", "neutral"), "3:5")
-    folder = RunFolder(root / "run", Manifest.of("sweep", plan))
-    *jobs, lost = plan.jobs()
-    for job in jobs:
-        result = episode.run(*job)
-        steps.write(result.steps, folder.path / "steps" / f"{job.id}.parquet")
-        folder.add(result.record, result.timing)
-    folder.add(unscored(lost), Timing(id=lost.id))
-    folder.write_json("summary.json", summarize(plan.jobs(), folder.records()).as_json())
-    folder.close()
-    return folder.path
+    return drive_run(root / "run", plan, lost=1)
 
 
 @pytest.fixture

@@ -7,20 +7,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from driven_run import drive_run
 from short_scenario import SHORT, write_short
 
 from vpf_sim import cli, drivers
 from vpf_sim.driver_interface import Command, DriverSetup, Observation
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation import steps
-from vpf_sim.evaluation.episode import episode
 from vpf_sim.evaluation.episode.pose_playback import PosePlayback
 from vpf_sim.evaluation.perception import scores, store, stored_drives
 from vpf_sim.evaluation.perception.scorer import SCORED_COLUMNS, DriveEvaluation
 from vpf_sim.evaluation.steps import Step, StepTable
-from vpf_sim.evaluation.sweeps.manifest import Manifest
 from vpf_sim.evaluation.sweeps.plan import Plan
-from vpf_sim.evaluation.sweeps.run_folder import RunFolder
 from vpf_sim.types import Perception
 from vpf_sim.types import Plan as DrivingPlan
 
@@ -44,13 +42,7 @@ def run(tmp_path_factory: pytest.TempPathFactory, plans: list[DrivingPlan]) -> P
     root = tmp_path_factory.mktemp("perception")
     (root / "short.toml").write_text(WORLD)
     plan = Plan((str(root / "short.toml"),), ("rain",), ("vpf",), "3:4")
-    folder = RunFolder(root / "run", Manifest.of("sweep", plan))
-    (job,) = plan.jobs()
-    result = episode.run(*job, watch=lambda _, plan: plans.append(plan) if plan else None)
-    steps.write(result.steps, folder.path / "steps" / f"{job.id}.parquet")
-    folder.add(result.record, result.timing)
-    folder.close()
-    return folder.path
+    return drive_run(root / "run", plan, watch=lambda _, plan: plans.append(plan) if plan else None)
 
 
 @pytest.fixture(scope="module")
