@@ -46,9 +46,9 @@ def test_a_name_a_class_and_an_instance_drive_alike(short: Path) -> None:
     assert not (short.parent / "runs").exists(), "nothing is stored unasked"
 
 
-@pytest.mark.usefixtures("short")
-def test_the_record_is_the_one_of_the_command_line() -> None:
+def test_the_record_is_the_one_of_the_command_line(short: Path) -> None:
     """Whose process has one thread for each numeric library."""
+    short.write_text(short.read_text().replace("s_m = 11.0", "s_m = 8.0"))
     record = vpf_sim.drive("short.toml", driver="vpf", weather="rain", seed=4).record
     options = ["--driver", "vpf", "--weather", "rain", "--seed", "4", "--json"]
     command = [sys.executable, "-c", "from vpf_sim.cli import main; main()", "drive", "short.toml", *options]

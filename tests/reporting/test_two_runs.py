@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from short_scenario import write_short
+from short_scenario import SHORT
 from stored import record, store
 
 import vpf_sim
@@ -192,7 +192,8 @@ class Stopping(vpf_sim.Driver):
 
 
 def test_a_changed_ending_has_both_films_and_both_paths(tmp_path: Path) -> None:
-    scenario = str(write_short(tmp_path))
+    scenario = tmp_path / "short.toml"
+    scenario.write_text(f"{SHORT}[limits]\ntime_s = 3.0\n")
     a = vpf_sim.drive(scenario, driver="pid", seed=3, out=tmp_path / "a").path
     b = vpf_sim.drive(scenario, driver=Stopping, seed=3, out=tmp_path / "b").path
     assert a is not None
