@@ -193,7 +193,7 @@ class Stopping(vpf_sim.Driver):
 
 def test_a_changed_ending_has_both_films_and_both_paths(tmp_path: Path) -> None:
     scenario = tmp_path / "short.toml"
-    scenario.write_text(f"{SHORT}[limits]\ntime_s = 3.0\n")
+    scenario.write_text(f"{SHORT}[limits]\ntime_s = 1.5\n")
     a = vpf_sim.drive(scenario, driver="pid", seed=3, out=tmp_path / "a").path
     b = vpf_sim.drive(scenario, driver=Stopping, seed=3, out=tmp_path / "b").path
     assert a is not None
