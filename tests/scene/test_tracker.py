@@ -111,6 +111,20 @@ def test_who_leaves_the_picture_is_expected_where_it_drove_on() -> None:
     assert np.sqrt(tracker.table.covariance[row, 0, 0]) > 1.5
 
 
+@pytest.mark.parametrize("paint_m", [32.0, 42.0])
+def test_paint_is_not_a_vehicle_that_is_out_of_sight(paint_m: float) -> None:
+    """However little is known of the vehicle's place by then, some 45 m, a doubtful obstacle does not become it."""
+    random, tracker = np.random.Generator(np.random.PCG64(5)), track(Motion(20.0, along_mps=3.5))
+    for _ in range(round(4.0 * RATE_HZ)):
+        tracker.predict(1.0 / RATE_HZ)
+        tracker.update(no_detections(), 0.2, np.zeros(len(tracker.table)), 0.0)
+    doubtful = detected([Motion(paint_m).at(0.0)], random)
+    doubtful.gain[:] = -0.5
+    expected = tracker.table.state.copy()
+    tracker.update(doubtful, 0.2, np.zeros(len(tracker.table)), 0.0)
+    assert tracker.table.state[tracker.reported] == pytest.approx(expected)
+
+
 def test_existence_falls_without_detections_until_the_track_is_pruned() -> None:
     tracker = track(Motion(12.0), seconds=1.0)
     before = float(tracker.table.gain[0])

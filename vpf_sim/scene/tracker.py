@@ -75,6 +75,11 @@ class TrackTable(Faces):
     unseen_s: Floats  # (K,) since the last detection
     moved: Floats  # (K,) frames in which its points moved, less those in which they stood
 
+    @property
+    def slow(self) -> Bools:
+        """(K,) those that stand, as far as is known."""
+        return np.asarray(np.hypot(*self.state[:, 2:].T) < STANDS_MPS)
+
 
 class SceneTracker:
     """Tracks of one episode."""
@@ -90,8 +95,7 @@ class SceneTracker:
         step[0, 2] = step[1, 3] = dt_s
         table = self.table
         table.state = table.state @ step.T
-        stands = np.hypot(*table.state[:, 2:].T) < STANDS_MPS
-        share = np.where(stands, self._config.standing_share**2, 1.0)
+        share = np.where(table.slow, self._config.standing_share**2, 1.0)
         noise = process_noise(dt_s, self._config)
         table.covariance = step @ table.covariance @ step.T + share[:, None, None] * noise
         table.unseen_s = table.unseen_s + dt_s
@@ -146,7 +150,10 @@ class SceneTracker:
         return np.asarray(table.state[crosses, :2])
 
     def _associate(self, found: Detections) -> tuple[Integers, Integers]:
-        """Rows of tracks and of detections that belong together: least sum of distances within the gate."""
+        """Rows of tracks and of detections that belong together: least sum of distances within the gate.
+
+        What speaks against an obstacle, as paint does, is not a vehicle that drove elsewhere and is out of sight.
+        """
         table = self.table
         if not len(table) or not len(found):
             return np.empty(0, np.intp), np.empty(0, np.intp)
@@ -155,7 +162,7 @@ class SceneTracker:
         place = _mahalanobis(apart[..., :2], variance[..., :2, :2])
         spread = np.sqrt(np.diagonal(variance, axis1=-2, axis2=-1)[..., 2:]) + VELOCITY_SLACK_MPS
         velocity = ((apart[..., 2:] / spread) ** 2).sum(axis=-1)
-        possible = (place < GATE) & (velocity < GATE)
+        possible = (place < GATE) & (velocity < GATE) & ((found.gain > 0.0) | table.slow[:, None])
         cost = np.where(possible, place + velocity, 10.0 * GATE)
         track, detection = linear_sum_assignment(cost)
         kept = possible[track, detection]
