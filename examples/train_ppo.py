@@ -30,7 +30,7 @@ try:
     from stable_baselines3.common.vec_env import SubprocVecEnv
     from torch import Tensor, nn
 except ModuleNotFoundError as missing:
-    sys.exit(f"train_ppo.py: {missing}: pip install 'vpf_sim[learn,onnx]'")
+    sys.exit(f"train_ppo.py: {missing}: pip install 'vpf_sim[learn]'")
 
 from behaviour_cloning.export import commit, export
 from vpf_sim.drivers.learned.familiarity import learned_from

@@ -47,7 +47,7 @@ class PointMotions:
         """(N,) of residuals (N, 2)."""
         return np.asarray(np.einsum("ni,nij,nj->n", residual, self.weight, residual))
 
-    def fit(self, slope: Floats, mean: Floats, sigma: Floats, passes: int) -> "Fit":
+    def fit(self, slope: Floats, mean: Floats, sigma: Floats, passes: int) -> Fit:
         """The k unknowns that `slope` (N, 2, k) multiplies, by reweighted least squares (Cauchy).
 
         `mean` and `sigma` (k,) are their prior.
