@@ -5,7 +5,7 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
-from short_scenario import SHORT, write_short
+from short_scenario import write_short
 
 pytest_plugins = ["pytester"]
 PLUGIN = ("-p", "vpf_sim.testing", "-p", "no:cacheprovider")
@@ -54,7 +54,7 @@ def test_a_projects_own_driver(pytester: pytest.Pytester) -> None:
 
 
 def test_fixtures_of_any_scope_drive(pytester: pytest.Pytester) -> None:
-    (pytester.path / "short.toml").write_text(SHORT.replace("s_m = 11.0", "s_m = 6.0"))
+    write_short(pytester.path, goal_m=6.0)
     pytester.makepyfile(my_driver=DRIVER)
     scopes = ("function", "class", "module", "package", "session")
     pytester.makeconftest(

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 import pytest
 from little_room import limited
+from short_scenario import write_short
 
 import vpf_sim
 from vpf_sim.drivers import RouteDriver
@@ -48,7 +49,7 @@ def test_a_name_a_class_and_an_instance_drive_alike(short: Path) -> None:
 
 def test_the_record_is_the_one_of_the_command_line(short: Path) -> None:
     """Whose process has one thread for each numeric library."""
-    short.write_text(short.read_text().replace("s_m = 11.0", "s_m = 8.0"))
+    write_short(short.parent, goal_m=8.0)
     record = vpf_sim.drive("short.toml", driver="vpf", weather="rain", seed=4).record
     options = ["--driver", "vpf", "--weather", "rain", "--seed", "4", "--json"]
     command = [sys.executable, "-c", "from vpf_sim.cli import main; main()", "drive", "short.toml", *options]

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from short_scenario import SHORT
+from short_scenario import write_short
 
 from vpf_sim import drivers
 from vpf_sim.driver_interface import Command, Driver, Observation
@@ -64,8 +64,7 @@ class Driven:
 
 def drive(root: Path) -> Driven:
     """Drive the run into a folder of `root`."""
-    scenario = str(root / "short.toml")
-    Path(scenario).write_text(SHORT.replace("s_m = 11.0", "s_m = 8.0"))
+    scenario = str(write_short(root, goal_m=8.0))
     made = {"weaves": Weaves, "breaks": BreaksDown, "never": BreaksDown}
     for name, kind in made.items():
         drivers.admit(name, kind)

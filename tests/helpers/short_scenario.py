@@ -13,8 +13,8 @@ s_m = 11.0
 """
 
 
-def write_short(folder: Path) -> Path:
-    """The scenario file, in a folder."""
+def write_short(folder: Path, goal_m: float = 11.0) -> Path:
+    """The scenario file, in a folder, with a nearer goal where one is enough."""
     path = folder / "short.toml"
-    path.write_text(SHORT)
+    path.write_text(SHORT.replace("s_m = 11.0", f"s_m = {goal_m}"))
     return path

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from one_process import one_process
-from short_scenario import SHORT
+from short_scenario import SHORT, write_short
 from stored import record, store
 
 import vpf_sim
@@ -26,7 +26,7 @@ DRIVERS = {"neutral", "vpf@mine.toml"}
 def driven(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of files that are named from their own folder."""
     root = tmp_path_factory.mktemp("project")
-    (root / NAME).write_text(SHORT.replace("s_m = 11.0", "s_m = 6.0"))
+    write_short(root, goal_m=6.0)
     (root / "wet.toml").write_text('base = "ClearNoon"\nwetness = 40.0\n')
     (root / "mine.toml").write_text('base = "robust"\n')
     with pytest.MonkeyPatch.context() as patch, one_process():

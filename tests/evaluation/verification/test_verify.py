@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from one_process import one_process
-from short_scenario import SHORT
+from short_scenario import write_short
 from weighted_driver import WEIGHT
 
 import vpf_sim
@@ -32,7 +32,7 @@ def sweep(out: Path) -> None:
 def honest(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of a driver with one weight: seeds 0 and 2 arrive, seed 1 starts beside the road and leaves it."""
     root = tmp_path_factory.mktemp("project")
-    (root / NAME).write_text(SHORT.replace("s_m = 11.0", "s_m = 6.0"))
+    write_short(root, goal_m=6.0)
     with pytest.MonkeyPatch.context() as patch, one_process():
         patch.chdir(root)
         sweep(root / "run")
@@ -82,7 +82,7 @@ def test_a_run_that_compares_drivers_is_verified_in_any_order_of_theirs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    (tmp_path / NAME).write_text(SHORT)
+    write_short(tmp_path)
     vpf_sim.sweep(NAME, driver=["stanley", "neutral"], seeds=SEEDS, out=tmp_path / "run", workers=1, progress=False)
     (comparison,) = json.loads((tmp_path / "run" / "summary.json").read_text())["comparisons"]
     assert (comparison["driver"], comparison["minus"]) == ("stanley", "neutral")
