@@ -202,10 +202,12 @@ class Obstacles(LateralExtents):
     ttc_s: Floats  # (K,) inf where the gap does not close
     identity: NDArray[np.int64]  # (K,) negative where it moves
     speed_mps: Floats = field(default_factory=lambda: np.empty(0))  # (K,) along the road; left out, all stand
+    existence: Floats = field(default_factory=lambda: np.empty(0))  # (K,) probability; left out, nan: it is not said
 
     def __post_init__(self) -> None:
-        if len(self.speed_mps) != len(self.forward_m):
-            object.__setattr__(self, "speed_mps", np.zeros(len(self.forward_m)))
+        for name, left_out in (("speed_mps", 0.0), ("existence", np.nan)):
+            if len(getattr(self, name)) != len(self.forward_m):
+                object.__setattr__(self, name, np.full(len(self.forward_m), left_out))
 
     def __len__(self) -> int:
         return len(self.forward_m)

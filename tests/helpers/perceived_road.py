@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import nan
 from types import SimpleNamespace
 from typing import Any
 
@@ -40,6 +41,7 @@ class Told:
     right_m: float
     speed_mps: float = 0.0
     identity: int = 1
+    existence: float = nan
 
 
 @dataclass(frozen=True)
@@ -128,11 +130,13 @@ def _perception(seen: Seen) -> Any:
         np.array([getattr(one, name) for one in seen.detections], float) for name in ("forward_m", "left_m", "right_m")
     ]
     some, identity = np.ones(len(seen.detections)), np.array([one.identity for one in seen.detections], np.int64)
-    speed = np.array([one.speed_mps for one in seen.detections], float)
+    speed, existence = (
+        np.array([getattr(one, name) for one in seen.detections]) for name in ("speed_mps", "existence")
+    )
     edges = (-7.0 - LANE_M + seen.left_m, 7.0 - LANE_M + seen.right_m)
     x, y = np.array(FOE_PX) + seen.foe_px
     return SimpleNamespace(
-        obstacles=Obstacles(*columns, some, some, identity, speed),
+        obstacles=Obstacles(*columns, some, some, identity, speed, existence),
         expansion=Expansion(x, y, np.eye(2), np.empty(0, np.bool_), 1.0),
         road=RoadEdges(*edges, 0.0, 0.0, 0.1, seen.road, seen.lane_m, 3.5, seen.road),
     )

@@ -134,6 +134,9 @@ def print_totals(totals: "list[Row]") -> None:
     )
     print("\nErrors of correct detections, median / 95th percentile:\n")
     print_table(("", *ERROR_LABELS), [(_name(row), *_errors(row)) for row in totals])
+    print("\nOverlap across within 12 m, median, %:\n")
+    print_table(("", "overlap"), [(_name(row), percent(row["overlap"])) for row in totals])
+    _print_calibration(totals)
     print("\nErrors of road and focus of expansion (FOE), median / 95th percentile:\n")
     print_table(("", "edges at 10 m, m", "lane at 10 m, m", "FOE px"), [_frame_row(row) for row in totals])
     for row in _single(totals):
@@ -146,6 +149,18 @@ def print_totals(totals: "list[Row]") -> None:
     print("\nRecall: objects met in the corridor that were confirmed 15 m before (cones 10, pallets 6);")
     print("by distance: at the nearer end of the band or farther. Precision and false positives are means")
     print("over the drives. [95 % intervals]")
+
+
+def _print_calibration(totals: "list[Row]") -> None:
+    """Print how often what is stated with a probability exists, of drivers that state one."""
+    bands = [
+        (_name(row), percent(band["stated"]), percent(band["right"]), str(band["count"]))
+        for row in totals
+        for band in row["calibration"]
+    ]
+    if bands:
+        print("\nExistence, of detections that are stated with 50-70, 70-90, 90-97 and 97-100 %:\n")
+        print_table(("", "stated %", "exists %", "detections"), bands)
 
 
 def print_differences(differences: "list[Row]") -> None:

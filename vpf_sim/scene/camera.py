@@ -137,7 +137,8 @@ class CameraScene:
             ttc = np.where((forward > 0.0) & (closing > 0.0), forward / closing, np.inf)
         sigma = np.sqrt(table.covariance[:, 0, 0])
         identity = np.where(moves, -1 - table.identity, table.identity)
-        return Obstacles(forward, right - half, right + half, sigma, ttc, identity, speed)
+        existence = 1.0 / (1.0 + np.exp(-table.gain))
+        return Obstacles(forward, right - half, right + half, sigma, ttc, identity, speed, existence)
 
     def place(self, observation: Observation) -> tuple[float, float]:
         """s and d of the car, m, on the road as last perceived."""

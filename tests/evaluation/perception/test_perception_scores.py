@@ -1,6 +1,7 @@
 """Metrics of a synthetic perception on a straight road with known errors."""
 
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -87,6 +88,47 @@ def test_precision_is_the_share_of_correct_detections_averaged_over_drives() -> 
     drives = [drive(car, half, length_m=50.0), drive(car, perfect(car, 200.0), length_m=50.0, seed=1)]
     assert [scores.metrics([one])["precision"] for one in drives] == [0.5, 1.0]
     assert scores.metrics(drives)["precision"] == 0.75
+
+
+def test_the_overlap_is_what_detection_and_object_share_of_what_either_covers() -> None:
+    """A report half as wide as the van beside its middle, and one as wide that is shifted by half a width."""
+    (van,) = vans = (Stands("van", 60.0),)
+
+    def see(x_m: float, seconds: float, shift: float, width: float) -> Seen:
+        one = truth(van, x_m, seconds, 1)
+        left_m = one.left_m + shift * (one.right_m - one.left_m)
+        return Seen([replace(one, left_m=left_m, right_m=left_m + width * (one.right_m - one.left_m))])
+
+    for shift, width, overlap in ((0.0, 1.0, 1.0), (0.5, 0.5, 0.5), (0.5, 1.0, 1.0 / 3.0)):
+        found = scores.metrics([drive(vans, partial(see, shift=shift, width=width), length_m=50.0)])
+        assert found["overlap"] == pytest.approx(overlap), (shift, width)
+
+
+def test_calibration_compares_the_stated_probability_with_the_share_that_exists() -> None:
+    """A car that is stated with 95 % in each frame, and in every second one a phantom with 60 %, or with 95 %."""
+    (car,) = cars = (Stands("car", 90.0),)
+
+    def see(x_m: float, seconds: float, phantom: float) -> Seen:
+        there = [replace(truth(car, x_m, seconds, 1), existence=0.95)]
+        if round(seconds * RATE_HZ) % 2:
+            there.append(Told(10.0, -1.0, 1.0, identity=2, existence=phantom))
+        return Seen(there)
+
+    frames = round(50.0 / SPEED_MPS * RATE_HZ)
+    apart, together = (
+        scores.metrics([drive(cars, partial(see, phantom=phantom), length_m=50.0)])["calibration"]
+        for phantom in (0.6, 0.95)
+    )
+    assert [(row["stated"], row["right"], row["count"]) for row in apart] == [
+        (pytest.approx(0.6), 0.0, frames // 2),
+        (pytest.approx(0.95), 1.0, frames),
+    ]
+    ((share, count),) = [(row["right"], row["count"]) for row in together]
+    assert (share, count) == (pytest.approx(2.0 / 3.0), frames + frames // 2)
+
+
+def test_a_driver_that_states_no_probability_has_no_calibration() -> None:
+    assert scores.metrics([drive(BODIES, perfect(BODIES))])["calibration"] == []
 
 
 @pytest.mark.parametrize(

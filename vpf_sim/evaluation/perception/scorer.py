@@ -33,6 +33,8 @@ class DetectionRow(NamedTuple):
     left_m: float
     right_m: float
     speed_mps: float
+    overlap: float  # across, of detection and object: what they share, of what either covers
+    existence: float  # probability that the driver states; nan where it states none
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,10 +94,11 @@ class PerceptionScorer:
         ]
 
     def _truth(self, detection: Detection, perception: Perception, ego: OnRoad) -> tuple[float, ...]:
+        stated = float(perception.obstacles.existence[detection.index])
         if not detection.owners:
-            return 0.0, float(detection.is_new), nan, nan, nan, nan, nan
+            return 0.0, float(detection.is_new), nan, nan, nan, nan, nan, nan, stated
         errors = detections.errors(detection, self._detection_scorer.detections, perception.obstacles, ego)
-        return 1.0, 0.0, float(KINDS.index(detection.owners[0].kind)), *errors
+        return 1.0, 0.0, float(KINDS.index(detection.owners[0].kind)), *errors, stated
 
     def detections_table(self) -> Floats:
         """(D, len(DetectionRow._fields)) all detections so far."""

@@ -27,6 +27,8 @@ OF_DETECTIONS = {  # errors of correct detections, by their column
     "right_error_m": "right_m",
     "speed_error_mps": "speed_mps",
 }
+NEAR_M = 12.0  # from the bumper, where the overlap counts: the side to pass on is decided there
+STATED = (0.5, 0.7, 0.9, 0.97, 1.0)  # bands of the probability of existence that a driver states
 OF_FRAMES = ("edge_error_m", "lane_error_m", "foe_error_px")
 ERRORS = (*OF_DETECTIONS, *OF_FRAMES)
 SHARES = ("recall", "precision")
@@ -81,6 +83,8 @@ def metrics(found: Sequence[DriveEvaluation]) -> Row:
             RATE: interval(rates),
         },
         **_detection_errors([(one, np.ones(len(one.detections), np.bool_)) for one in found]),
+        "overlap": _median(np.concatenate([one.of("overlap")[one.of("ahead_m") < NEAR_M] for one in found])),
+        "calibration": _calibration(found),
         **_frame_errors(found),
     }
 
@@ -174,6 +178,19 @@ def _detection_errors(found: Sequence[tuple[DriveEvaluation, Bools]]) -> Row:
         key: spread(np.concatenate([np.empty(0), *(one.of(column)[rows] for one, rows in found)]))
         for key, column in OF_DETECTIONS.items()
     }
+
+
+def _calibration(found: Sequence[DriveEvaluation]) -> list[Row]:
+    """A reliability diagram: of detections that are stated with about one probability, the share that is right."""
+    stated = np.concatenate([np.empty(0), *(one.of("existence") for one in found)])
+    right = np.concatenate([np.empty(0), *(one.of("is_right") for one in found)])
+    rows: list[Row] = []
+    for low, high in pairwise(STATED):
+        inside = (stated >= low) & ((stated < high) | (high == STATED[-1]))
+        if inside.any():
+            mean, share = float(stated[inside].mean()), float(right[inside].mean())
+            rows.append({"from": low, "to": high, "stated": mean, "right": share, "count": int(inside.sum())})
+    return rows
 
 
 def _frame_errors(found: Sequence[DriveEvaluation]) -> Row:

@@ -173,23 +173,28 @@ class Extent(NamedTuple):
 
 
 class ExtentErrors(NamedTuple):
-    """Detected - true: distance + is too far, a side + is too far out, speed + is too fast."""
+    """Detected - true: distance + is too far, a side + is too far out, speed + is too fast; and the overlap."""
 
     distance_m: float
     left_m: float
     right_m: float
     speed_mps: float  # nan where both detected and true speed are 0
+    overlap: float  # across: what detected and true extent share, of what either covers
 
 
 def errors(detection: Detection, detections: Iterable[Detection], reported: Obstacles, ego: OnRoad) -> ExtentErrors:
     """Errors of a correct detection; `detections` are all of its frame."""
     k, true, obj = detection.index, true_extent(detection, detections, ego), detection.owners[0]
     speed_mps, seen_mps = float(obj.speed), float(reported.speed_mps[k])
+    left_m, right_m = float(reported.left_m[k]), float(reported.right_m[k])
+    shared_m = max(min(right_m, true.right_m) - max(left_m, true.left_m), 0.0)
+    covered_m = right_m - left_m + true.right_m - true.left_m - shared_m
     return ExtentErrors(
         float(reported.forward_m[k]) - true.forward_m,
-        true.left_m - float(reported.left_m[k]),
-        float(reported.right_m[k]) - true.right_m,
+        true.left_m - left_m,
+        right_m - true.right_m,
         seen_mps - speed_mps if speed_mps or seen_mps else nan,
+        shared_m / covered_m if covered_m else nan,
     )
 
 
