@@ -1,22 +1,21 @@
-"""Train a driver by reward: PPO learns to steer on `straight` and `curve-left`, and is exported to ONNX.
+"""Train a driver by reward: PPO learns to steer, also past parked cars, and is exported to ONNX.
 
 python train_ppo.py FOLDER writes FOLDER/policy.onnx and FOLDER/policy.toml. Then
 
-    vpf-sim drive curve-left --driver onnx:FOLDER/policy.onnx
+    vpf-sim drive town04 --driver onnx:FOLDER/policy.onnx
 
 It needs `pip install 'vpf_sim[learn]'`. PPO is Stable-Baselines3's; the throttle is not learned, it holds a speed.
 """
 
 import argparse
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-import cv2
 import gymnasium
 import numpy as np
 from gymnasium import spaces
@@ -24,79 +23,139 @@ from gymnasium import spaces
 try:
     import torch
     from stable_baselines3 import PPO
+    from stable_baselines3.common.callbacks import CheckpointCallback
     from stable_baselines3.common.env_util import make_vec_env
     from stable_baselines3.common.logger import configure
     from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
-    from stable_baselines3.common.vec_env import SubprocVecEnv
     from torch import Tensor, nn
 except ModuleNotFoundError as missing:
     sys.exit(f"train_ppo.py: {missing}: pip install 'vpf_sim[learn]'")
 
 from behaviour_cloning.export import commit, export
+from vpf_sim import scenarios
+from vpf_sim.drivers.learned.driver import shrink
 from vpf_sim.drivers.learned.familiarity import learned_from
-from vpf_sim.drivers.learned.manifest import LearnedFrom, Manifest, PictureInput, StateInput, Training
+from vpf_sim.drivers.learned.manifest import Crop, LearnedFrom, Manifest, PictureInput, StateInput, Training
 from vpf_sim.envs.learning import FourLanePixels, RewardWeights
 from vpf_sim.errors import InputError
 from vpf_sim.evaluation.sweeps.plan import parse_seeds
 from vpf_sim.policy_state import SPEED_SCALE_MPS, STATE
-from vpf_sim.types import Image
+from vpf_sim.scenarios import AnyScenario
 
-SCENARIOS, WEATHERS = ("straight", "curve-left"), ("clear", "rain")
-WIDTH_PX, HEIGHT_PX, REPEAT = 64, 48, 6  # 4:3 as in the drives; ticks of 1/60 s
+SCENARIOS, WEATHERS = ("town04", "straight", "curve-left", "curve-right"), ("clear", "rain")
+RATE_HZ, REPEAT = 20.0, 4  # ticks a second, and of a decision
 SPEED_MPS, STEERING = 5.55, 0.25  # to hold; of full steering, that an action of 1 means
-LOST_M = 2.5  # from the lane's centre; an episode of training ends there
-REWARD = RewardWeights(progress=0.1, lane=0.2, comfort=0.02)
+LOST_M = 4.0  # from the lane's centre; an episode of training ends there
+CHECKPOINT = 100_000  # decisions between two policies that are kept
+DRIVES_OF_A_ROAD = 8  # in a row: making a road takes as long as 40 decisions
+REWARD = RewardWeights(progress=0.1, lane=0.1, comfort=0.5, arrival=0.0)
+PICTURE = PictureInput(width_px=64, height_px=24, deviation=1.0, crop=Crop(top_share=45 / 96, bottom_share=93 / 96))
+VALUES = ("speed", "yaw_rate", "steering")
 MANIFEST = Manifest(
     schema=1,
-    rate_hz=60.0 / REPEAT,
-    summary="a small network that learned to keep its lane by reward",
-    image=PictureInput(width_px=WIDTH_PX, height_px=HEIGHT_PX, deviation=1.0),
-    state=StateInput(values=STATE),  # type: ignore[arg-type]
+    rate_hz=RATE_HZ / REPEAT,
+    summary="a small network that learned by reward to keep its lane and to pass parked cars",
+    image=PICTURE,
+    state=StateInput(values=VALUES),
 )
+STARTS = """schema = 1
+base = "{base}"
+[vary]
+"ego.lateral_m" = [-0.7, 0.7]
+"ego.heading_deg" = [-5.0, 5.0]
+"ego.s_m" = [0.0, {farthest_m}]
+"bodies.s_m" = [-8.0, 8.0]
+"bodies.lateral_m" = [-1.0, 1.0]
+"""
+CAR = '[[bodies]]\nkind = "car"\nlane = 2\ns_m = {s_m}\nlateral_m = {lateral_m}\n'
+CARS, BETWEEN_M, LATERAL_M = 5, 38.0, (-2.09, 0.91)  # the two places of town04, by turns
 
 
-class LaneKeeping(gymnasium.Wrapper[Any, Any, Any, Any]):
-    """The environment with the steering as the only action, and pictures drawn `shrink` times larger than observed."""
+def empty_road(base: str) -> AnyScenario:
+    """A scenario without obstacles, begun anywhere."""
+    return scenarios.parse(STARTS.format(base=base, farthest_m=120.0), f"{base}, begun anywhere")
 
-    def __init__(self, shrink: int, scenarios: Sequence[str] = SCENARIOS, weathers: Sequence[str] = WEATHERS) -> None:
-        size = (shrink * WIDTH_PX, shrink * HEIGHT_PX)
-        super().__init__(FourLanePixels(scenarios, weathers, size, action_repeat=REPEAT, state=True, reward=REWARD))
-        image = spaces.Box(0, 255, (HEIGHT_PX, WIDTH_PX, 1), np.uint8)
-        self.observation_space = spaces.Dict({"image": image, "state": self.unwrapped.observation_space["state"]})
+
+def parked_cars(base: str, side: float) -> AnyScenario:
+    """A scenario's road with a row of parked cars as on `town04`, or with `side` -1 mirrored."""
+    start_m = scenarios.load(base).draw(0).ego.s_m
+    places = [(start_m + BETWEEN_M * (index + 0.8), side * LATERAL_M[index % 2]) for index in range(CARS)]
+    cars = "".join(CAR.format(s_m=s_m, lateral_m=lateral_m) for s_m, lateral_m in places)
+    return scenarios.parse(STARTS.format(base=base, farthest_m=8.0) + cars, f"{base}, parked cars")
+
+
+def roads() -> list[AnyScenario]:
+    """The scenarios of the training."""
+    bends = ("town04", "curve-left")
+    return [*(parked_cars(*one) for one in product(bends, (1.0, -1.0))), *map(empty_road, SCENARIOS[1:])]
+
+
+class Steering(gymnasium.Wrapper[Any, Any, Any, Any]):
+    """The environment with steering as the only action, and a driver's inputs, of pictures drawn `scale` times larger.
+
+    An arrival truncates: what would come after it counts.
+    """
+
+    def __init__(self, scale: int, on: Sequence[str | AnyScenario], weathers: Sequence[str] = WEATHERS) -> None:
+        size = (scale * PICTURE.width_px, scale * PICTURE.width_px * 3 // 4)  # 4:3 as in the drives
+        super().__init__(
+            FourLanePixels(
+                on,
+                weathers,
+                size,
+                grey=False,
+                action_repeat=REPEAT,
+                state=True,
+                reward=REWARD,
+                rate_hz=RATE_HZ,
+            )
+        )
+        image = spaces.Box(0, 255, PICTURE.shape[1:], np.uint8)
+        self.observation_space = spaces.Dict({"image": image, "state": spaces.Box(-1.0, 1.0, (len(VALUES),))})
         self.action_space = spaces.Box(-1.0, 1.0, (1,), np.float32)
+        self._draw, self._drives, self._seed = np.random.default_rng(), 0, 0
 
-    def reset(self, **options: Any) -> tuple[Any, dict[str, Any]]:
-        observed, info = super().reset(**options)
-        return _shrunk(observed), info
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """The drive of a seed; without one, the last again or another, as `DRIVES_OF_A_ROAD` says."""
+        if seed is not None:
+            self._draw, self._drives, self._seed = np.random.default_rng(seed), 0, seed
+        elif self._drives % DRIVES_OF_A_ROAD == 0:
+            self._seed = int(self._draw.integers(2**31))
+        self._drives += 1
+        observed, info = super().reset(seed=self._seed, options=options)
+        return _seen(observed), info
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """One decision."""
         world: Any = self.unwrapped
         command = np.array([SPEED_MPS - world.world.ego.speed, STEERING * float(action[0])]).clip(-1.0, 1.0)
         observed, reward, terminated, truncated, info = super().step(command)
-        return _shrunk(observed), reward, terminated or abs(info["lane_offset_m"]) > LOST_M, truncated, info
+        if not terminated and abs(info["lane_offset_m"]) > LOST_M:
+            return _seen(observed), float(reward) - REWARD.contact, True, truncated, info
+        arrives = info["is_success"]
+        return _seen(observed), reward, terminated and not arrives, truncated or arrives, info
 
 
-def _shrunk(observed: dict[str, Any]) -> dict[str, Any]:
-    """The observation with its picture averaged over areas, as a drive's picture is for its policy."""
-    image = cv2.resize(observed["image"], (WIDTH_PX, HEIGHT_PX), interpolation=cv2.INTER_AREA)
-    return {**observed, "image": image.reshape(HEIGHT_PX, WIDTH_PX, 1)}
+def _seen(observed: dict[str, Any]) -> dict[str, Any]:
+    """What a driver gives its policy."""
+    values = observed["state"][[STATE.index(name) for name in VALUES]]
+    return {"image": shrink(observed["image"], PICTURE), "state": values}
 
 
 class Features(BaseFeaturesExtractor):
     """What the policy sees of a picture, with the state: a twentieth of the work of the library's network."""
 
     def __init__(self, space: spaces.Dict, features: int = 64) -> None:
-        super().__init__(space, features + len(STATE))
+        super().__init__(space, features + len(VALUES))
         self.picture = nn.Sequential(
-            nn.Conv2d(1, 16, 5, stride=3),
+            nn.Conv2d(1, 16, 5, stride=2),
             nn.ReLU(),
             nn.Conv2d(16, 32, 3, stride=2),
             nn.ReLU(),
             nn.Conv2d(32, 32, 3, stride=2),
             nn.ReLU(),
             nn.Flatten(),
-            nn.Linear(384, features),
+            nn.Linear(192, features),
             nn.ReLU(),
         )
 
@@ -121,63 +180,51 @@ class Command(nn.Module):
 def main(options: argparse.Namespace) -> None:
     began_s, made_from = perf_counter(), commit()
     torch.set_num_threads(1)
-    worlds = make_vec_env(
-        LaneKeeping, options.workers, options.seed, env_kwargs={"shrink": options.shrink}, vec_env_cls=SubprocVecEnv
-    )
+    settings = {"scale": options.scale, "on": roads()}
+    worlds = make_vec_env(Steering, options.worlds, options.seed, env_kwargs=settings)
     learned = PPO(
         "MultiInputPolicy",
         worlds,
         n_steps=options.steps_of_an_update,
         batch_size=128,
-        n_epochs=5,
-        gamma=0.98,
-        learning_rate=lambda left: 3e-4 * left,
+        n_epochs=3,
+        gamma=0.97,
+        learning_rate=lambda left: 5e-4 * left,
         policy_kwargs={"features_extractor_class": Features, "log_std_init": -1.0},
         seed=options.seed,
         device="cpu",
     )
     options.out.mkdir(parents=True, exist_ok=True)
     learned.set_logger(configure(str(options.out), ["stdout", "csv"]))  # progress.csv: the learning curve
-    learned.learn(options.steps)
+    learned.learn(options.steps, CheckpointCallback(CHECKPOINT // options.worlds, str(options.out), "policy"))
     worlds.close()
+    finish(learned, options, made_from, (perf_counter() - began_s) / 3600.0)
+
+
+def finish(learned: PPO, options: argparse.Namespace, made_from: str, wall_h: float) -> None:
+    """Drive without noise, and write the policy with its manifest."""
     learned.save(options.out / "policy.zip")  # to train on
-    known = learned_from(*shown(options.shrink, learned, options.test_seeds))
-    manifest = recorded(options, known, made_from, learned.num_timesteps, (perf_counter() - began_s) / 3600.0)
-    export(Command(learned.policy), manifest, options.out / "policy.onnx")
+    seen: list[dict[str, Any]] = []
     for scenario, weather in product(SCENARIOS, WEATHERS):
-        count = arrivals(LaneKeeping(options.shrink, (scenario,), (weather,)), learned, options.test_seeds)
-        print(f"{scenario}, {weather}, {count} of {len(options.test_seeds)} arrive without noise")
+        world = Steering(options.scale, (scenario,), (weather,))
+        count = sum(arrives(world, learned, seed, seen) for seed in options.test_seeds)
+        print(f"{scenario}, {weather}, {count} of {len(options.test_seeds)} arrive without noise", flush=True)
+    pictures = [one["image"] for one in seen[::10]]
+    speeds = [SPEED_SCALE_MPS * float(one["state"][0]) for one in seen]
+    manifest = recorded(options, learned_from(pictures, speeds), made_from, learned.num_timesteps, wall_h)
+    export(Command(learned.policy), manifest, options.out / "policy.onnx")
 
 
-def arrivals(world: LaneKeeping, learned: PPO, seeds: Iterable[int]) -> int:
-    """How many drives arrive, one for each seed, without the noise of training."""
-    count = 0
-    for seed in seeds:
-        observed, info = world.reset(seed=seed)
-        over = False
-        while not over:
-            action, _ = learned.predict(observed, deterministic=True)
-            observed, _, terminated, truncated, info = world.step(action)
-            over = terminated or truncated
-        count += info["is_success"]
-    return count
-
-
-def shown(shrink: int, learned: PPO, seeds: Iterable[int]) -> tuple[list[Image], list[float]]:
-    """Pictures (1, H, W) of drives of the learned policy, one in ten, and all of their speeds, m/s."""
-    world = LaneKeeping(shrink, SCENARIOS, WEATHERS)
-    pictures, speeds = [], []
-    for seed in seeds:
-        observed, _ = world.reset(seed=seed)
-        over = False
-        while not over:
-            if len(speeds) % 10 == 0:
-                pictures.append(observed["image"].transpose(2, 0, 1))
-            speeds.append(SPEED_SCALE_MPS * float(observed["state"][STATE.index("speed")]))
-            action, _ = learned.predict(observed, deterministic=True)
-            observed, _, terminated, truncated, _ = world.step(action)
-            over = terminated or truncated
-    return pictures, speeds
+def arrives(world: Steering, learned: PPO, seed: int, seen: list[dict[str, Any]]) -> bool:
+    """Whether a drive arrives without the noise of training; what it observes is added to `seen`."""
+    observed, info = world.reset(seed=seed)
+    over = False
+    while not over:
+        seen.append(observed)
+        action, _ = learned.predict(observed, deterministic=True)
+        observed, _, terminated, truncated, info = world.step(action)
+        over = terminated or truncated
+    return bool(info["is_success"])
 
 
 def recorded(
@@ -185,8 +232,8 @@ def recorded(
 ) -> Manifest:
     """The manifest with the record of the training."""
     training = Training(
-        command=f"python examples/train_ppo.py FOLDER --steps {options.steps} --shrink {options.shrink} "
-        f"--seed {options.seed} --workers {options.workers} --steps-of-an-update {options.steps_of_an_update}",
+        command=f"python examples/train_ppo.py FOLDER --steps {options.steps} --scale {options.scale} "
+        f"--seed {options.seed} --worlds {options.worlds} --steps-of-an-update {options.steps_of_an_update}",
         commit=made_from,
         scenarios=SCENARIOS,
         weathers=WEATHERS,
@@ -213,12 +260,12 @@ def _seeds(text: str) -> Sequence[int]:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("out", type=Path, metavar="FOLDER")
-    parser.add_argument("--steps", type=_positive, default=250_000, help="decisions, at 10 a second")
-    parser.add_argument("--steps-of-an-update", type=_positive, default=1024, help="of each process")
+    parser.add_argument("--steps", type=_positive, default=1_000_000, help="decisions, at 5 a second")
+    parser.add_argument("--steps-of-an-update", type=_positive, default=128, help="of each world")
     parser.add_argument(
-        "--shrink", type=_positive, default=1, help="draw pictures so many times larger, and average them"
+        "--scale", type=_positive, default=2, help="draw pictures so many times larger, and average them"
     )
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--test-seeds", type=_seeds, default="900:905", help="of the drives after training")
-    parser.add_argument("--workers", type=_positive, default=2, help="processes that drive")
+    parser.add_argument("--worlds", type=_positive, default=16, help="drives side by side, in one process")
     main(parser.parse_args())

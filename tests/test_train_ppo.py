@@ -15,11 +15,11 @@ SPEED_MPS = 5.55
 
 def test_a_training_in_small_writes_a_policy_that_drives(tmp_path: Path) -> None:
     pytest.importorskip("stable_baselines3", reason="needs the extra learn")
-    tiny = ["--steps", "64", "--steps-of-an-update", "32", "--workers", "1", "--test-seeds", "0:1"]
+    tiny = ["--steps", "64", "--steps-of-an-update", "32", "--worlds", "1", "--test-seeds", "0:1"]
     command = [sys.executable, "-W", "ignore", SCRIPT, "out", *tiny]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     episode = vpf_sim.drive("straight", driver=f"onnx:{tmp_path / 'out' / 'policy.onnx'}", seed=1)
     assert episode.status != "error", episode.error
-    decisions = episode.steps.iloc[:-1:6]
+    decisions = episode.steps.iloc[:-1:12]
     np.testing.assert_allclose(decisions["throttle"], SPEED_MPS - decisions["speed_mps"], atol=1e-5)

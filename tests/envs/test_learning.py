@@ -60,6 +60,20 @@ def test_the_image_is_the_grey_frame_at_the_end_of_a_decision() -> None:
     assert cv2.PSNR(seen[:, :, 0], cv2.cvtColor(expected["image"], cv2.COLOR_RGB2GRAY)) > 35.0
 
 
+def test_longer_ticks_move_the_car_alike() -> None:
+    """A fifth of a second of four ticks or of twelve; the steering, at a limited rate, is not quite the same."""
+    places = []
+    for rate_hz, ticks in ((20.0, 4), (60.0, 12)):
+        env = FourLanePixels("straight", image_size=(64, 48), action_repeat=ticks, rate_hz=rate_hz)
+        env.reset(seed=5)
+        for _ in range(10):
+            _, _, _, _, info = env.step(0.1 * RIGHT)
+        assert env.metadata["render_fps"] == 5
+        places.append((info["route_m"], info["lane_offset_m"]))
+    np.testing.assert_allclose(*places, atol=0.05)
+    assert abs(places[0][1]) > 1.0, "it steers"
+
+
 @pytest.mark.parametrize("weather", ["clear", "rain"])
 def test_a_small_camera_shows_what_a_large_one_does(weather: str) -> None:
     """Its frame is the large one's, shrunk; rain has drops that small pixels do not show."""
@@ -160,6 +174,7 @@ def test_levels_limit_the_draw_to_the_first_scenarios() -> None:
         ({"action_repeat": 0}, "action_repeat: expected 1 to 60 ticks, got 0"),
         ({"image_size": 84}, r"image_size: expected \(width, height\) in pixels, got 84"),
         ({"action_repeat": True}, "action_repeat: expected 1 to 60 ticks, got True"),
+        ({"rate_hz": 30}, "rate_hz: expected 60 or 20, got 30"),
         ({"fov_deg": "wide"}, "fov_deg: expected a number of degrees, got 'wide'"),
         ({"grey": "yes"}, "grey: expected True or False, got 'yes'"),
         ({"scenario": []}, "scenario: expected at least one, got none"),
