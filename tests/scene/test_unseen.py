@@ -37,6 +37,21 @@ def test_a_car_that_is_slower_than_the_traffic_may_be_overtaken_in_each_other_la
     np.testing.assert_allclose(np.unique(tracks(2.0, d_m=LANE_M).d_m), [-LANE_M, 0.0])
 
 
+def test_whom_the_car_has_left_behind_must_catch_up_before_they_are_beside_it() -> None:
+    """8 s at 5 m/s past traffic of 3 m/s gain 16 m, and each second of standing loses 3 m of them."""
+    unseen, lane = UnseenTraffic(driver_settings.scene().unseen), EgoState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    front_m = []
+    for time_s in np.arange(0.0, 11.001, 0.1).tolist():
+        unseen.update(time_s, 5.0 if time_s <= 8.0 else 0.0, np.array([3.0]))
+        if time_s >= 8.5:
+            found = unseen.tracks(road(), lane, time_s)
+            front_m.append((found.s_m + 0.5 * found.length_m).max())
+    beside_m = tracks(0.0, seconds=1.0)
+    touching_m = (beside_m.s_m + 0.5 * beside_m.length_m).max()
+    assert front_m[0] == pytest.approx(touching_m - 16.0 + 1.5, abs=0.7)
+    assert np.diff(front_m) == pytest.approx(0.3)
+
+
 def test_a_car_that_stands_aslant_may_go_on_in_its_lane() -> None:
     on, planner = road(), SpacetimePlanner(settings.load(), VehicleModel())
     here = scene(on, tracks(0.3), 0.0, -0.7, 0.3)

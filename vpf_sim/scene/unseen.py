@@ -1,8 +1,8 @@
 """What may drive where a camera that looks forward sees nothing: beside the car and behind it.
 
 A car that is slower than the traffic is overtaken. So where traffic was seen, a vehicle may drive in each other lane,
-beside or behind, at the traffic's speed, and a lane change may cut it off. A car that has stood for some seconds no
-longer waits.
+beside or behind, at the traffic's speed, and a lane change may cut it off. Whom the car has left behind it saw, or they
+must catch up first. A car that has stood for some seconds no longer waits.
 """
 
 from math import inf
@@ -22,11 +22,12 @@ STANDING_MPS, DRIVING_MPS = 0.3, 2.0  # a car that has begun to drive goes on
 
 
 class UnseenTraffic:
-    """Remembers how fast the traffic was, and how long the car has stood."""
+    """Remembers how fast the traffic was, how far the car has left it behind, and how long it has stood."""
 
     def __init__(self, config: UnseenConfig) -> None:
         self._config = config
         self._speed_mps, self._seen_s, self._stood_s, self._last_s = 0.0, -inf, 0.0, 0.0
+        self._ahead_m = 0.0  # the way that the car has gained on the traffic since it was seen first
 
     def update(self, time_s: float, own_mps: float, along_mps: Floats) -> None:
         """Note the speeds (K,) along the road of what moves in our direction."""
@@ -40,16 +41,21 @@ class UnseenTraffic:
             self._speed_mps = fastest
         if fastest > STANDING_MPS:
             self._seen_s = time_s
+        gained_m = (own_mps - self._speed_mps) * since_s
+        self._ahead_m = max(self._ahead_m + gained_m, 0.0) if self._is_recent(time_s) else 0.0
+
+    def _is_recent(self, time_s: float) -> bool:
+        return time_s - self._seen_s < self._config.remembered_s
 
     def tracks(self, road: Road, ego: EgoState, time_s: float) -> Tracks:
         """Tracks beside and behind in each other lane of our direction while the car is slower than the traffic."""
         lanes = road.lanes_at(np.array([ego.s_m]))[:, 0]
         others = lanes[np.abs(lanes - ego.d_m) > IN_LANE * road.lane_width_m]
-        recent = time_s - self._seen_s < self._config.remembered_s and self._stood_s < self._config.patience_s
-        if not recent or ego.speed_mps > self._config.slower_share * self._speed_mps:
+        waits = self._is_recent(time_s) and self._stood_s < self._config.patience_s
+        if not waits or ego.speed_mps > self._config.slower_share * self._speed_mps:
             others = others[:0]
         others, places = (grid.ravel() for grid in np.meshgrid(others, PLACES_M))
-        s, same = ego.s_m + places, np.ones(len(others))
+        s, same = ego.s_m + places - self._ahead_m, np.ones(len(others))
         x, y, heading = road.world(s, others)
         return Tracks(
             x, y, heading, self._speed_mps * same, 0.0 * same, LENGTH_M * same, WIDTH_M * same,
