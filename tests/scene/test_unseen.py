@@ -18,10 +18,10 @@ TRAFFIC_MPS = 5.0
 
 
 def tracks(own_mps: float, seen_mps: float = TRAFFIC_MPS, seconds: float = 2.0, d_m: float = 0.0) -> Tracks:
-    """After some seconds at a speed, of which the first showed traffic."""
+    """After some seconds at a speed, of which the first 1.5 s showed traffic."""
     unseen = UnseenTraffic(driver_settings.scene().unseen)
     for time_s in np.arange(0.0, seconds, 0.05).tolist():
-        unseen.update(time_s, own_mps, np.array([seen_mps]) if time_s < 1.0 else np.empty(0))
+        unseen.update(time_s, own_mps, {7: seen_mps} if time_s < 1.5 and seen_mps else {})
     return unseen.tracks(road(), EgoState(0.0, d_m, 0.0, own_mps, 0.0, 0.0, d_m), seconds)
 
 
@@ -38,18 +38,26 @@ def test_a_car_that_is_slower_than_the_traffic_may_be_overtaken_in_each_other_la
 
 
 def test_whom_the_car_has_left_behind_must_catch_up_before_they_are_beside_it() -> None:
-    """8 s at 5 m/s past traffic of 3 m/s gain 16 m, and each second of standing loses 3 m of them."""
+    """7 s at 5 m/s past traffic of 3 m/s, which counts after 1 s, gain 14 m; a second of standing loses 3 m."""
     unseen, lane = UnseenTraffic(driver_settings.scene().unseen), EgoState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     front_m = []
     for time_s in np.arange(0.0, 11.001, 0.1).tolist():
-        unseen.update(time_s, 5.0 if time_s <= 8.0 else 0.0, np.array([3.0]))
+        unseen.update(time_s, 5.0 if time_s <= 8.0 else 0.0, {7: 3.0})
         if time_s >= 8.5:
             found = unseen.tracks(road(), lane, time_s)
             front_m.append((found.s_m + 0.5 * found.length_m).max())
-    beside_m = tracks(0.0, seconds=1.0)
+    beside_m = tracks(0.0, seconds=1.5)
     touching_m = (beside_m.s_m + 0.5 * beside_m.length_m).max()
-    assert front_m[0] == pytest.approx(touching_m - 16.0 + 1.5, abs=0.7)
+    assert front_m[0] == pytest.approx(touching_m - 14.0 + 1.5, abs=0.7)
     assert np.diff(front_m) == pytest.approx(0.3)
+
+
+def test_what_drives_for_a_moment_only_is_no_traffic() -> None:
+    """Drops on the windscreen do: each a track of its own, seen half a second."""
+    unseen = UnseenTraffic(driver_settings.scene().unseen)
+    for step in range(100):
+        unseen.update(0.1 * step, 2.0, {step // 5: TRAFFIC_MPS})
+    assert not len(unseen.tracks(road(), EgoState(0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0), 10.0))
 
 
 def test_a_car_that_stands_aslant_may_go_on_in_its_lane() -> None:

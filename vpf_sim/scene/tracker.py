@@ -134,12 +134,13 @@ class SceneTracker:
         return np.flatnonzero(self.table.gain > REPORT)
 
     @property
-    def traffic_mps(self) -> Floats:
-        """Speeds of the reported tracks that drive along the road in our direction and are as wide as a vehicle."""
+    def traffic_mps(self) -> dict[int, float]:
+        """Speeds, by identity, of reported tracks that drive along the road our way and are as wide as a vehicle."""
         table = self.table
         along, across = table.state[:, 2], np.abs(table.state[:, 3])
         drives = (along > DRIVES_MPS) & (across < ALONG_SHARE * along) & (table.width_m > VEHICLE_M)
-        return np.asarray(along[drives & (table.gain > REPORT)])
+        drives &= table.gain > REPORT
+        return dict(zip(table.identity[drives].tolist(), along[drives].tolist(), strict=True))
 
     @property
     def crossing_m(self) -> Floats:

@@ -5,6 +5,7 @@ beside or behind, at the traffic's speed, and a lane change may cut it off. Whom
 must catch up first. A car that has stood for some seconds no longer waits.
 """
 
+from collections.abc import Mapping
 from math import inf
 
 import numpy as np
@@ -13,12 +14,12 @@ from vpf_sim.scene.road import Road
 from vpf_sim.scene.scene import EgoState
 from vpf_sim.scene.scene_settings import UnseenConfig
 from vpf_sim.scene.tracks import Tracks
-from vpf_sim.types import Floats
 
 PLACES_M, LENGTH_M = (-9.0, -1.5), 6.0  # from the car's middle to those of vehicles beside and behind
 WIDTH_M = 1.0  # enough to keep the car out of the lane
 IN_LANE = 0.6  # of a lane's width: a car that is nearer to a lane's middle is in it
 STANDING_MPS, DRIVING_MPS = 0.3, 2.0  # a car that has begun to drive goes on
+SURE_S = 1.0  # for which a track has been traffic before it counts: drops and paint are so for a moment
 
 
 class UnseenTraffic:
@@ -28,15 +29,17 @@ class UnseenTraffic:
         self._config = config
         self._speed_mps, self._seen_s, self._stood_s, self._last_s = 0.0, -inf, 0.0, 0.0
         self._ahead_m = 0.0  # the way that the car has gained on the traffic since it was seen first
+        self._since_s: dict[int, float] = {}  # when each track was seen first, of those seen last
 
-    def update(self, time_s: float, own_mps: float, along_mps: Floats) -> None:
-        """Note the speeds (K,) along the road of what moves in our direction."""
+    def update(self, time_s: float, own_mps: float, along_mps: Mapping[int, float]) -> None:
+        """Note the speeds along the road of what moves in our direction, by the tracks' identities."""
         since_s, self._last_s = time_s - self._last_s, time_s
         if own_mps < STANDING_MPS:
             self._stood_s += since_s
         elif own_mps > DRIVING_MPS:
             self._stood_s = 0.0
-        fastest = float(along_mps.max(initial=0.0))
+        self._since_s = {identity: self._since_s.get(identity, time_s) for identity in along_mps}
+        fastest = max((v for track, v in along_mps.items() if time_s - self._since_s[track] >= SURE_S), default=0.0)
         if fastest > max(self._speed_mps, STANDING_MPS) or time_s - self._seen_s > self._config.remembered_s:
             self._speed_mps = fastest
         if fastest > STANDING_MPS:
