@@ -24,6 +24,7 @@ from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.reference import LaneReference
 from vpf_sim.planning.planner import create_planner
 from vpf_sim.replay.model_vehicle import Interval, ModelVehicle
+from vpf_sim.scene.camera import NO_EVIDENCE
 from vpf_sim.types import Floats, LowObstacleRange, Obstacles, Reference, RoadEdges
 
 GAINS = ("literal", "paper", "robust", "super-twisting")
@@ -39,7 +40,8 @@ def assert_plans_and_commands(drive: scenes.Drive) -> None:
     plans = create_planner(drive.setup, drive.configuration)
     controller = Gtsmc(load_gains(drive.configuration.gains), drive.setup.vehicle, drive.setup.rate_hz)
     for perception, observation in drive.frames():
-        force, reference, _ = plans.step(perception, observation)
+        seen = plans.observe(perception, observation, NO_EVIDENCE)
+        force, reference, _ = plans.step(seen, observation)
         assert np.isfinite([reference.heading_rad, reference.speed_mps, reference.heading_rate_radps or 0.0]).all()
         assert np.isfinite(force.total).all()
         assert_command(controller.command(observation, reference))
@@ -74,7 +76,8 @@ def test_a_drive_that_begins_standing_has_a_reference(variant: str) -> None:
     seen = ideal.perception(RoadEdges(-5.0, 5.0, 0.0, 0.0, 0.02, 1.0, 0.0, 3.5), nobody)
     plans = create_planner(setup, scenes.load(variant))
     observation = Observation(scenes.NO_IMAGE, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, (50.0, 0.0))
-    _, reference, _ = plans.step(replace(seen, low_range_m=LowObstacleRange(10.0, 20.0)), observation)
+    seen = plans.observe(replace(seen, low_range_m=LowObstacleRange(10.0, 20.0)), observation, NO_EVIDENCE)
+    _, reference, _ = plans.step(seen, observation)
     assert (reference.heading_rad, reference.speed_mps) == (pytest.approx(0.0, abs=0.01), 0.0)
 
 

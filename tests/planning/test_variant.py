@@ -49,5 +49,9 @@ def test_one_way_through_the_field_and_what_it_needs() -> None:
     robust, paper = variant.load("robust"), variant.load("paper")
     with pytest.raises(ValueError, match="exactly one of"):
         replace(robust, paper_planner=paper.paper_planner)
+    with pytest.raises(ValueError, match="exactly one of"):
+        replace(robust, scene=variant.load("scene").scene)
+    with pytest.raises(ValueError, match="\\[scene\\] needs \\[visibility\\]"):
+        replace(variant.load("scene"), visibility=None)
     with pytest.raises(ValueError, match="needs \\[static_obstacles\\]"):
         replace(robust, static_obstacles=None)

@@ -12,19 +12,27 @@ class ExpertDriver(Driver):
     uses_images = False
 
     def reset(self, setup: DriverSetup) -> None:
-        from vpf_sim.drivers.motion_follower import MotionFollower
+        from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
+        from vpf_sim.planning.spacetime.replanning import GAINS, MotionReplanner
         from vpf_sim.scene.truth import TrueScene
 
         if setup.world is None:
             raise InputError("driver expert: expected the world in its setup, got none")
         self._truth = TrueScene(setup)
-        self._follower = MotionFollower(setup)
+        self._motion = MotionReplanner(setup.vehicle)
+        self._controller = Gtsmc(load_gains(GAINS), setup.vehicle, setup.rate_hz)
+        self._plan: Plan | None = None
 
     def act(self, observation: Observation) -> Command:
-        if self._follower.is_due(observation.time_s):
-            self._follower.replan(self._truth.at(observation))
-        return self._follower.command(self._truth.road, observation, self._truth.place(observation))
+        from vpf_sim.planning.planner_interface import NO_FORCE
+
+        if self._motion.is_due(observation.time_s):
+            self._motion.plan(self._truth.at(observation))
+        wanted, extra = self._motion.follow(self._truth.road, observation, self._truth.place(observation))
+        command = self._controller.command(observation, wanted)
+        self._plan = Plan(None, NO_FORCE, wanted, extra, self._controller.reaching.holds)
+        return command
 
     def trace(self) -> Plan | None:
         """The plan of the last step, for overlays and scores."""
-        return self._follower.plan
+        return self._plan

@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from vpf_sim.driver_interface import Observation
 from vpf_sim.perception.egomotion.focus_of_expansion import Derotated
 from vpf_sim.perception.egomotion.triangulation import Triangulation
@@ -58,7 +56,7 @@ class FrameState:
     crossers: Crossers = field(default_factory=nobody)
     detected: Obstacles = field(init=False)  # static ones
     obstacles: Obstacles = field(default_factory=none)  # feedback: they hide the road in the next frame
-    relief: Floats = field(default_factory=lambda: np.empty(0))  # (K,) of the obstacles, by planar parallax
+    relief: Floats | None = None  # (K,) of the obstacles, by planar parallax
     low_range_m: LowObstacleRange = UNLIMITED
 
     # The paper's fields

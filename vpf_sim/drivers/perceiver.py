@@ -2,6 +2,7 @@
 
 from collections import deque
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 
@@ -16,8 +17,9 @@ from vpf_sim.perception.obstacles.prediction import predict
 from vpf_sim.perception.plausible import Plausibility
 from vpf_sim.perception.schedule import Schedule
 from vpf_sim.planning.variant import FrameConfig, Variant
+from vpf_sim.scene.camera import Evidence
 from vpf_sim.timing import timed
-from vpf_sim.types import Floats, Image, LowObstacleRange, Obstacles, Perception, Reference
+from vpf_sim.types import Floats, Image, LowObstacleRange, Obstacles, Perception
 
 NO_IMAGE: Image = np.empty((0, 0, 3), np.uint8)
 
@@ -114,7 +116,7 @@ class Perceiver:
         self._state = FrameState()
         self._last: Perception | None = None  # of the last frame that was processed,
         self._last_s = 0.0  # and the time at which it was taken
-        self.has_processed = False  # a frame at the last step
+        self._has_processed = False  # a frame at the last step
 
     @property
     def needs_next_frame(self) -> bool:
@@ -122,9 +124,10 @@ class Perceiver:
         return self._selection.needs_next_frame
 
     @property
-    def frame(self) -> FrameState:
-        """What the stages made of the last frame that was processed."""
-        return self._state
+    def evidence(self) -> Evidence | None:
+        """What the frame of the last step shows beside obstacles; None if it was not processed."""
+        frame = self._state
+        return Evidence(frame.crossers, frame.points, frame.motions, frame.relief) if self._has_processed else None
 
     @property
     def has_missed(self) -> bool:
@@ -137,7 +140,7 @@ class Perceiver:
         A frame that arrives late is processed at the pose at which it was taken.
         """
         taken = self._selection.select(observation)
-        self.has_processed = taken is not None
+        self._has_processed = taken is not None
         if taken is not None:
             self._last = self._process(taken, taken.pose)
             self._last_s = taken.time_s
@@ -146,12 +149,11 @@ class Perceiver:
         assert self._last is not None  # the first frame is always processed
         return self._predicted(self._last, observation, observation.pose)
 
-    def stop_when_blind(self, reference: Reference, observation: Observation) -> Reference:
-        """The reference; after too long without a new frame, one that brakes to a stop."""
+    def limit_mps(self, observation: Observation) -> float:
+        """The speed limit: inf, or after too long without a new frame one that brakes to a stop."""
         if observation.time_s - self._last_s <= self._config.blind_s:
-            return reference
-        slower = max(comfortable_speed(observation.speed_mps), 0.0)
-        return replace(reference, speed_mps=min(reference.speed_mps, slower))
+            return inf
+        return max(comfortable_speed(observation.speed_mps), 0.0)
 
     def _process(self, taken: Observation, pose: Floats) -> Perception:
         """Run the pipeline on a frame."""

@@ -10,7 +10,6 @@ from vpf_sim.driver_interface import Driver, Privilege
 from vpf_sim.drivers import own
 from vpf_sim.drivers.baselines import IdmDriver, NeutralDriver, RouteDriver
 from vpf_sim.drivers.expert import ExpertDriver
-from vpf_sim.drivers.scene_driver import SceneDriver
 from vpf_sim.drivers.vision_driver import VisionDriver
 from vpf_sim.errors import InputError, unknown_name
 
@@ -71,7 +70,9 @@ _REGISTRY: dict[str, _Entry] = {
         "tracked obstacles and road, lateral cost, sliding mode (variant robust)",
     ),
     "vpf-scene": _Entry(
-        SceneDriver, "none", "a scene of road and tracks by camera, planned in space and time as expert plans"
+        lambda: VisionDriver("scene"),
+        "none",
+        "a scene of road and tracks by camera, planned in space and time as expert plans",
     ),
     "vpf-paper": _Entry(
         lambda: VisionDriver("paper"), "none", "the paper's method with the fewest repairs that make it run"

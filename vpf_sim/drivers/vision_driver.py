@@ -44,7 +44,7 @@ class VisionDriver(Driver):
 
     def act(self, observation: Observation) -> Command:
         observation = self._own_motion.update(observation)
-        perception = self._perceiver.perceive(observation)
+        perception = self._perceived(observation)
         plan = call("plan", self._plan_step, perception, observation)
         command = call("control", self._controller.command, observation, plan.reference)
         self._plan = replace(plan, reaching=self._controller.reaching.holds)
@@ -52,12 +52,15 @@ class VisionDriver(Driver):
 
     def perceive(self, observation: Observation) -> Perception:
         """What `act` would perceive, without planning or steering; one of the two is called each step."""
-        return self._perceiver.perceive(self._own_motion.update(observation))
+        return self._perceived(self._own_motion.update(observation))
+
+    def _perceived(self, observation: Observation) -> Perception:
+        perception = self._perceiver.perceive(observation)
+        return self._planner.observe(perception, observation, self._perceiver.evidence)
 
     def _plan_step(self, perception: Perception, observation: Observation) -> Plan:
         """Fields, heading and speed reference; without new frames, a stop."""
-        force, reference, extra = self._planner.step(perception, observation)
-        return Plan(perception, force, self._perceiver.stop_when_blind(reference, observation), extra)
+        return Plan(perception, *self._planner.step(perception, observation, self._perceiver.limit_mps(observation)))
 
     @property
     def needs_next_frame(self) -> bool:

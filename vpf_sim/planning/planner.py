@@ -1,16 +1,21 @@
-"""The planner of a variant: the paper's, or the lane planner."""
+"""The planner of a variant: the paper's, the lane planner, or the scene planner."""
 
 from vpf_sim.driver_interface import DriverSetup
 from vpf_sim.planning.lane.planner import LanePlanner
 from vpf_sim.planning.paper.planner import PaperPlanner
+from vpf_sim.planning.planner_interface import Planner
+from vpf_sim.planning.scene_planner import ScenePlanner
 from vpf_sim.planning.variant import Variant
 from vpf_sim.planning.visibility import SpeedInSight
 
 
-def create_planner(setup: DriverSetup, variant: Variant) -> PaperPlanner | LanePlanner:
+def create_planner(setup: DriverSetup, variant: Variant) -> Planner:
     """A new planner for one episode."""
-    if variant.lane_planner is not None:
-        assert variant.visibility is not None  # Variant has checked
-        return LanePlanner(setup, variant.lane_planner, SpeedInSight(variant.visibility, setup))
-    assert variant.paper_planner is not None  # Variant has checked
-    return PaperPlanner(setup, variant.paper_planner)
+    if variant.paper_planner is not None:
+        return PaperPlanner(setup, variant.paper_planner)
+    assert variant.visibility is not None  # Variant has checked
+    in_sight = SpeedInSight(variant.visibility, setup)
+    if variant.scene is not None:
+        return ScenePlanner(setup, variant.scene, variant.road_edges.object_sizes, in_sight)
+    assert variant.lane_planner is not None  # Variant has checked
+    return LanePlanner(setup, variant.lane_planner, in_sight)

@@ -27,6 +27,7 @@ from vpf_sim.scene.scene_settings import SceneConfig
 
 PACKAGE = "vpf_sim.planning.variants"
 BASE = "robust"
+PLANNERS = "paper_planner", "lane_planner", "scene"
 
 
 @settings
@@ -52,7 +53,7 @@ class FrameConfig:
 
 @settings
 class Variant:
-    """One section for each stage; the planner is `paper_planner` or `lane_planner`."""
+    """One section for each stage; the planner is `paper_planner`, `lane_planner` or `scene`."""
 
     gains: str = setting("Set [gtsmc.NAME] of controllers/gains.toml that the controller uses.")
     frames: FrameConfig = setting("What is done about late and missing frames.")
@@ -69,21 +70,24 @@ class Variant:
     )
     static_obstacles: StaticObstacleConfig | None = setting("Static obstacle tracker.", default=None)
     moving_obstacles: MovingObstacleConfig | None = setting("Moving-object tracker.", default=None)
-    crossing: CrossingConfig | None = setting("Actors that cross, for `vpf-scene`.", default=None)
-    scene: SceneConfig | None = setting("Tracks of all that is on the road, for `vpf-scene`.", default=None)
+    crossing: CrossingConfig | None = setting("Actors that cross.", default=None)
+    scene: SceneConfig | None = setting(
+        "Tracks of all that is on the road, in which the scene planner plans.", default=None
+    )
     controller: ControllerConfig | None = setting("Changes of the gains.", default=None)
     paper_planner: PaperPlannerConfig | None = setting("The paper's potential fields.", default=None)
     visibility: VisibilityConfig | None = setting("Speed where little is seen.", default=None)
     lane_planner: LanePlannerConfig | None = setting("Lateral cost, path and speed in the lane.", default=None)
 
     def __post_init__(self) -> None:
-        if (self.paper_planner is None) == (self.lane_planner is None):
-            raise ValueError("expected exactly one of [paper_planner] and [lane_planner]")
+        if sum(getattr(self, key) is not None for key in PLANNERS) != 1:
+            raise ValueError("expected exactly one of [paper_planner], [lane_planner] and [scene]")
         for key in "lane_planner", "moving_obstacles", "crossing", "scene":
             if getattr(self, key) is not None and self.static_obstacles is None:
                 raise ValueError(f"[{key}] needs [static_obstacles]")
-        if self.lane_planner is not None and self.visibility is None:
-            raise ValueError("[lane_planner] needs [visibility]")
+        for key in "lane_planner", "scene":
+            if getattr(self, key) is not None and self.visibility is None:
+                raise ValueError(f"[{key}] needs [visibility]")
 
 
 SECTIONS = [key for key, hint in keys(Variant).items() if sections(hint)]

@@ -68,6 +68,10 @@ class ModelVehicle:
         place = np.array([x - self.right_m * sin(yaw), y + self.right_m * cos(yaw)])
         return np.array([*place, wrap_angle(yaw + self.turn_rad)])
 
+    def yaw_rate_radps(self, speed_mps: float) -> float:
+        """Its yaw rate at a speed, by its steering angle."""
+        return speed_mps * sin(self._slip_rad()) / self._vehicle.l_r_m
+
     def drive(self, reference: Reference, at: Observation, interval: Interval) -> Command:
         """Mean command until the next frame while following a reference given for `at`."""
         count = max(1, round(interval.seconds * self._rate_hz))
@@ -87,7 +91,7 @@ class ModelVehicle:
         """Steering at the recorded speed, which moves it along; throttle at its own speed."""
 
         def observed(speed_mps: float) -> Observation:
-            turn = speed_mps * sin(self._slip_rad()) / self._vehicle.l_r_m
+            turn = self.yaw_rate_radps(speed_mps)
             return Observation(at.image, at.time_s, at.x_m, at.y_m, wrap_angle(yaw_rad), speed_mps, turn, at.goal_m)
 
         steering = self._lateral.command(observed(recorded_mps), target).steering

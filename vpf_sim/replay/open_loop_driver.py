@@ -5,8 +5,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Protocol
 
-import numpy as np
-
 from vpf_sim import drivers
 from vpf_sim.controllers.gtsmc import Gains
 from vpf_sim.driver_interface import Command, Driver, DriverSetup, Observation
@@ -18,6 +16,9 @@ from vpf_sim.perception.road.road_settings import RoadEdgeConfig
 from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.planning.paper.planner import PaperPlan
 from vpf_sim.planning.planner import create_planner
+from vpf_sim.planning.planner_interface import NO_FORCE
+from vpf_sim.planning.scene_planner import ScenePlanner
+from vpf_sim.planning.spacetime.motion import MotionPlan
 from vpf_sim.planning.variant import Variant
 from vpf_sim.replay.fixed_structure import FixedStructure
 from vpf_sim.replay.model_vehicle import Interval, ModelVehicle, Segment
@@ -29,7 +30,7 @@ from vpf_sim.replay.present_lane import (
     road_in_vehicle_frame,
 )
 from vpf_sim.replay.records import Fault
-from vpf_sim.types import Force, Perception, Plan, Reference, RoadEdges
+from vpf_sim.types import Perception, Plan, Reference, RoadEdges
 
 MODEL = "a model vehicle carries out the commands, from the recorded position and speed at the start of each segment"
 RECORDED = "evaluated at each recorded state"
@@ -119,16 +120,14 @@ class ModelVehicleDriver:
         found = self._is_found(perception.road, observation)
         lane = present_lane(perception.road, found)
         self._restart_in_new_lane(lane)
-        plan = (
-            self._planned(self._seen_from_model(perception, lane), observation)
-            if found
-            else self._hold_course(perception, observation)
-        )
+        perception = replace(perception, road=lane)
+        perception = self._planner.observe(perception, observation, self._perceiver.evidence)
+        plan = self._planned(perception, observation) if found else self._hold_course(perception, observation)
         command = self._model.drive(plan.reference, observation, interval)
         if self._model.is_far:
             self.restarts += 1
             self._model.restart(self._model.speed_mps)
-        return Decision(command, self._in_recorded_axes(plan, replace(perception, road=lane)), found)
+        return Decision(command, self._in_recorded_axes(plan, perception), found)
 
     def unlike_training(self) -> str:
         return ""
@@ -140,18 +139,22 @@ class ModelVehicleDriver:
             return False
         return self._support.update(observation.image, road, observation.time_s)
 
-    def _planned(self, from_model: Perception, observation: Observation) -> Plan:
-        force, reference, extra = self._planner.step(from_model, self._at_model(observation))
-        return Plan(from_model, force, self._perceiver.stop_when_blind(reference, observation), extra)
+    def _planned(self, perception: Perception, observation: Observation) -> Plan:
+        """The plan of the model vehicle, which moves at the recorded speed but has a speed of its own."""
+        seen, at_model = self._seen_from_model(perception), self._at_model(observation, observation.speed_mps)
+        limit_mps = self._perceiver.limit_mps(observation)
+        if isinstance(self._planner, ScenePlanner):
+            self._planner.plan(seen, self._at_model(observation, self._model.speed_mps), limit_mps)
+            return Plan(seen, *self._planner.follow(at_model))
+        return Plan(seen, *self._planner.step(seen, at_model, limit_mps))
 
     def _hold_course(self, perception: Perception, observation: Observation) -> Plan:
         """Hold course and speed, since without a lane there is no basis for a decision.
 
         The course is that of the recorded car: a straight one would leave the camera's view in every bend.
         """
-        none = np.zeros(2)
         course = Reference(observation.yaw_rad, self._model.speed_mps, observation.yaw_rate_radps)
-        return Plan(perception, Force(none, none, none, none), course)
+        return Plan(perception, NO_FORCE, course)
 
     def _restart_in_new_lane(self, lane: RoadEdges) -> None:
         """Restart the planner where the followed lane changes."""
@@ -162,18 +165,19 @@ class ModelVehicleDriver:
         if found or abs(lane.lane_m - last.lane_m) > 0.5 * lane.lane_width_m:
             self._planner = create_planner(self._setup, self._variant)
 
-    def _seen_from_model(self, perception: Perception, lane: RoadEdges) -> Perception:
+    def _seen_from_model(self, perception: Perception) -> Perception:
         right, turn = self._model.right_m, self._model.turn_rad
         return replace(
             perception,
-            road=road_in_vehicle_frame(lane, right, turn),
+            road=road_in_vehicle_frame(perception.road, right, turn),
             obstacles=obstacles_in_vehicle_frame(perception.obstacles, right, turn),
         )
 
-    def _at_model(self, observation: Observation) -> Observation:
-        recorded = observation.pose
-        x, y, yaw = (float(value) for value in self._model.pose(recorded))
-        return replace(observation, x_m=x, y_m=y, yaw_rad=yaw)
+    def _at_model(self, observation: Observation, speed_mps: float) -> Observation:
+        """The model vehicle's place, turned as its wheels are, at a speed."""
+        x, y, yaw = (float(value) for value in self._model.pose(observation.pose))
+        turn = self._model.yaw_rate_radps(speed_mps)
+        return replace(observation, x_m=x, y_m=y, yaw_rad=yaw, speed_mps=speed_mps, yaw_rate_radps=turn)
 
     def _in_recorded_axes(self, plan: Plan, perception: Perception) -> Plan:
         """The plan in the axes of the recorded car: its lane and its path."""
@@ -182,6 +186,8 @@ class ModelVehicleDriver:
         extra = plan.extra
         if isinstance(extra, LanePlan | PaperPlan):
             extra = replace(extra, lane=replace(extra.lane, y_m=-middle))
+        elif isinstance(extra, MotionPlan):
+            extra = replace(extra, pose=perception.pose)
         return Plan(replace(perception, road=road), plan.force, plan.reference, extra)
 
 

@@ -1,6 +1,7 @@
 """The lane planner: to the minimum of the lateral cost, along the road's direction."""
 
 from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from vpf_sim.planning.lane.lateral_cost import CostProfile, LateralCost
 from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.recovery import Recovery
 from vpf_sim.planning.lane.reference import LaneReference
+from vpf_sim.planning.planner_interface import Planned, Planner
 from vpf_sim.planning.visibility import SpeedInSight
 from vpf_sim.types import Force, Obstacles, Perception, PlanDetails, Reference
 
@@ -26,7 +28,7 @@ class LanePlan(PlanDetails):
     reference_y_m: float  # lateral position of the reference path
 
 
-class LanePlanner:
+class LanePlanner(Planner):
     """Follows the minimum of the lateral cost from frame to frame."""
 
     def __init__(self, setup: DriverSetup, config: LanePlannerConfig, in_sight: SpeedInSight) -> None:
@@ -43,7 +45,7 @@ class LanePlanner:
         """Whether a manoeuvre out of a dead end is driven."""
         return self._recovery is not None and self._recovery.manoeuvre is not None
 
-    def step(self, perception: Perception, observation: Observation) -> tuple[Force, Reference, LanePlan]:
+    def step(self, perception: Perception, observation: Observation, limit_mps: float = inf) -> Planned:
         road, out = perception.road, self._recovery
         lane = locate(road) if out is None else out.lane(road, observation)
         obstacles = place(perception.obstacles, lane, self._config.obstacles.parts)
@@ -53,6 +55,7 @@ class LanePlanner:
         slowed = self._slowed(wanted, perception, observation.speed_mps)
         turned = self._recovered(lane, perception.obstacles, observation, wanted)
         reference = slowed if turned is None else turned
+        reference = replace(reference, speed_mps=min(reference.speed_mps, limit_mps))
         plan = LanePlan(lane, obstacles, cost, self._reference.y_m)
         return _force(cost, lane.y_m), reference, plan
 

@@ -1,6 +1,7 @@
 """The paper's planner: the heading is the direction of the total force at the vehicle, turned into the world."""
 
 from dataclasses import dataclass
+from math import inf
 
 from vpf_sim.configuration import settings
 from vpf_sim.driver_interface import DriverSetup, Observation
@@ -11,7 +12,8 @@ from vpf_sim.planning.paper.reference import HeadingReference, ReferenceConfig
 from vpf_sim.planning.paper.road_field import Bend, FoeBend, RoadFieldConfig
 from vpf_sim.planning.paper.target_field import TargetFieldConfig
 from vpf_sim.planning.paper.total_field import TotalFieldConfig
-from vpf_sim.types import Force, Perception, PlanDetails, Reference
+from vpf_sim.planning.planner_interface import Planned, Planner
+from vpf_sim.types import Perception, PlanDetails, Reference
 
 
 @settings
@@ -31,7 +33,7 @@ class PaperPlan(PlanDetails):
     bend: Bend
 
 
-class PaperPlanner:
+class PaperPlanner(Planner):
     """Follows the direction of the total force."""
 
     def __init__(self, setup: DriverSetup, config: PaperPlannerConfig) -> None:
@@ -40,7 +42,7 @@ class PaperPlanner:
         self._bend = FoeBend(config.road_field, setup.camera, setup.rate_hz)
         self._heading: HeadingReference | None = None
 
-    def step(self, perception: Perception, observation: Observation) -> tuple[Force, Reference, PaperPlan]:
+    def step(self, perception: Perception, observation: Observation, limit_mps: float = inf) -> Planned:
         config = self._config
         x, y, yaw = observation.x_m, observation.y_m, observation.yaw_rad
         if self._heading is None:
@@ -56,4 +58,4 @@ class PaperPlanner:
         force = total_field.compose(target, obstacle, road, config.total_field)
         world = total_field.to_world(force.total, yaw, config.total_field)
         heading = self._heading.update(world)
-        return force, Reference(heading, self._setup.speed_reference_mps), PaperPlan(lane, bend)
+        return force, Reference(heading, min(self._setup.speed_reference_mps, limit_mps)), PaperPlan(lane, bend)
