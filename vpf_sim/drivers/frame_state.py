@@ -50,7 +50,7 @@ class FrameState:
     # Obstacles
     contrast: Image | None = None  # (H, W) with colour contrast and without pitch; None beneath the wiper
     moving: Obstacles | None = None  # moving obstacles before this frame's measurement
-    points: Triangulation = field(init=False)
+    points: Triangulation | None = None  # of the flow, in the robust pipeline
     on_moving: Bools | None = None  # (N,) points of the flow on moving obstacles
     motions: PointMotions | None = None  # of the points of the flow, where actors that cross are looked for
     crossers: Crossers = field(default_factory=nobody)
