@@ -199,6 +199,8 @@ def test_what_stands_is_never_so_sure_that_new_evidence_does_not_count() -> None
 def test_traffic_is_what_drives_along_the_road_in_our_direction() -> None:
     driving = track(Motion(10.0, along_mps=6.0), Motion(20.0, 4.0, across_mps=-1.5), Motion(60.0, -3.5, along_mps=-8.0))
     np.testing.assert_allclose([*driving.traffic_mps.values()], [6.0], atol=0.6)
+    driving.table.length_m[:] = 0.6
+    assert not driving.traffic_mps, "a pedestrian, or a handful of drops"
 
 
 def test_what_appears_near_is_believed_after_some_way_only() -> None:
