@@ -1,4 +1,4 @@
-"""Detections of what perception reports: support by points above the road."""
+"""Detections of what perception reports: support by points above the road, and lengths."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -7,8 +7,9 @@ import driver_settings
 import numpy as np
 import pytest
 
-from vpf_sim.scene.measurements import support
-from vpf_sim.types import Floats, Obstacles
+from vpf_sim.scene.camera import road_of
+from vpf_sim.scene.measurements import of_obstacles, support
+from vpf_sim.types import Floats, Obstacles, RoadEdges
 
 CAMERA_M, SPEED_MPS = 0.8, 5.0
 CONFIG = driver_settings.scene().existence
@@ -39,3 +40,26 @@ def test_points_above_the_road_speak_for_an_obstacle_and_paint_against_it() -> N
 @pytest.mark.parametrize(("forward_m", "speed_mps"), [(2.0, SPEED_MPS), (12.0, SPEED_MPS), (6.0, 0.0)])
 def test_a_place_without_measured_heights_tells_nothing(forward_m: float, speed_mps: float) -> None:
     assert np.isnan(support(obstacle(forward_m), points(np.full(4, forward_m), 0.0), CAMERA_M, speed_mps, CONFIG)[0])
+
+
+def lengths(*faces: tuple[float, float, float]) -> list[float]:
+    """m, of standing faces (ahead m, left side m, right side m)."""
+    ahead, left, right = np.array(faces, float).T
+    same, sizes = np.ones(len(faces)), driver_settings.ROBUST.road_edges.object_sizes
+    road = road_of(RoadEdges(-5.25, 5.25, 0.0, 0.0, 0.1, 1.0, 0.0, 3.5, 1.0), np.zeros(3), 0.0)
+    seen = Obstacles(ahead, left, right, 0.2 * same, same, np.arange(len(faces)))
+    found = of_obstacles(seen, np.nan * same, 0.0 * same, np.zeros(3), road, 0.0, sizes, CONFIG)
+    return [float(one) for one in found.length_m]
+
+
+def test_what_a_truck_leaves_of_a_van_behind_it_is_as_long_as_a_vehicle() -> None:
+    """Of the van, whose face is 1.4 m farther, a strip of 0.4 m shows beside the truck."""
+    strip, truck = (14.4, 0.8, 1.2), (13.0, -3.7, 0.6)
+    (alone,) = lengths(strip)
+    assert alone < 2.0
+    assert min(lengths(strip, truck)) > 5.0
+
+
+@pytest.mark.parametrize("cone", [(14.4, 2.2, 2.6), (19.0, 0.8, 1.2)])
+def test_a_cone_farther_aside_or_behind_stays_short(cone: tuple[float, float, float]) -> None:
+    assert lengths(cone, (13.0, -3.7, 0.6))[0] == lengths(cone)[0]

@@ -196,6 +196,15 @@ def test_what_stands_is_never_so_sure_that_new_evidence_does_not_count() -> None
     assert not len(tracker.reported)
 
 
+def test_what_stands_keeps_its_length_when_a_part_of_it_is_left_in_view() -> None:
+    random, tracker = np.random.Generator(np.random.PCG64(3)), SceneTracker(CONFIG)
+    for length_m in (9.0, 9.0, 1.0):
+        seen = detected([Motion(12.0).at(0.0)], random)
+        seen.state[:], seen.length_m[:] = Motion(12.0).at(0.0), length_m
+        tracker.update(seen, 1.0, np.full(len(tracker.table), 1.0 / RATE_HZ), 0.0)
+    assert tracker.table.length_m.tolist() == [9.0]
+
+
 def test_traffic_is_what_drives_along_the_road_in_our_direction() -> None:
     driving = track(Motion(10.0, along_mps=6.0), Motion(20.0, 4.0, across_mps=-1.5), Motion(60.0, -3.5, along_mps=-8.0))
     np.testing.assert_allclose([*driving.traffic_mps.values()], [6.0], atol=0.6)

@@ -9,7 +9,7 @@ from vpf_sim.perception.obstacles.crossing import Crossers
 from vpf_sim.scene.road import Road
 from vpf_sim.scene.scene_settings import ExistenceConfig
 from vpf_sim.scene.tracker import Detections
-from vpf_sim.types import Floats, Obstacles
+from vpf_sim.types import Bools, Floats, Obstacles
 
 ALONG_SIGMA_M, ACROSS_SIGMA_M, MOVING_ACROSS_SIGMA_M = 0.2, 0.12, 0.25  # at least
 STANDING_SIGMA_MPS, MOVING_SIGMA_MPS = 0.05, 0.5
@@ -18,6 +18,7 @@ CHI2, CHI2_MARGIN = 9.0, 12.0  # of it as a static point, at most, and how much 
 BEFORE_M, BEHIND_M, ASIDE_M = 0.6, 1.5, 0.3  # of its face and beside it, where such points are
 SUPPORT_M = (3.0, 8.0)  # where they are expected, from the pose
 STANDING_MPS = 0.5  # a slower car finds no heights
+ROW_M, ROW_GAP_M = 3.0, 0.6  # along and across, between faces that may be one vehicle's
 BESIDE_M = 3.0  # from the edges, where actors that cross may come from
 NARROWEST_M, DEEP_M = 0.6, 0.6  # of what crosses: its width at least, and its size along the road
 CROSSER_SIGMA_M, CROSSER_SIGMA_MPS = 0.3, (1.0, 0.3)  # across; along and across, at least
@@ -52,7 +53,18 @@ def of_obstacles(
     surely = moving | (obstacles.forward_m > config.born_m)
     gain = np.where(surely, config.confirmed, np.where(np.isnan(odds), unjudged, odds))
     gain = np.where(~moving & (relief < config.flat), config.per_relief * relief, gain)
-    return Detections(state, covariance, sizes.lengths_m(width), width, gain, loss)
+    length = sizes.lengths_m(_whole_widths(s, d, width, moving))
+    return Detections(state, covariance, length, width, gain, loss)
+
+
+def _whole_widths(s_m: Floats, d_m: Floats, width_m: Floats, moving: Bools) -> Floats:
+    """(K,) widths with those of the faces beside them: a narrow one may be all that another leaves of a vehicle."""
+    left, right = d_m - 0.5 * width_m, d_m + 0.5 * width_m
+    beside = (left < right[:, None] + ROW_GAP_M) & (right > left[:, None] - ROW_GAP_M)
+    beside &= (np.abs(s_m - s_m[:, None]) < ROW_M) & (moving == moving[:, None])
+    whole_right = np.where(beside, right, -np.inf).max(axis=1, initial=-np.inf)
+    whole: Floats = whole_right - np.where(beside, left, np.inf).min(axis=1, initial=np.inf)
+    return whole
 
 
 def support(

@@ -177,8 +177,10 @@ class SceneTracker:
         change = np.einsum("nij,nj->ni", gain, found.state - table.state[rows])
         table.state[rows] += change
         table.covariance[rows] = (np.eye(4) - gain) @ before
-        for name in ("length_m", "width_m", "loss_per_s"):
+        for name in ("width_m", "loss_per_s"):
             getattr(table, name)[rows] = getattr(found, name)
+        # what stands was seen best from afar: from beside, a part of its face is left
+        table.length_m[rows] = np.where(found.stands, np.maximum(table.length_m[rows], found.length_m), found.length_m)
         most = np.where(found.stands, self._config.most_standing, self._config.most)
         table.gain[rows] = np.minimum(table.gain[rows] + fresh * found.gain, most)
         table.unseen_s[rows] = 0.0
