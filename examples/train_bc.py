@@ -33,17 +33,14 @@ from vpf_sim.policy_state import SPEED_SCALE_MPS
 
 LEARNER_SHARES = (0.0, 0.5, 0.8, 1.0)  # of the turns at the wheel, by round; the last share holds for later rounds
 EVERY = 20  # which pictures of a drive describe what the policy learned from
-FIRST_ROUND, LAST_EPOCHS = 2, 5  # times as many drives in the first round, and epochs in the last
+FIRST_ROUND, LAST_EPOCHS = 2, 3  # times as many drives in the first round, and epochs in the last
 SURE_SHARE = 0.95  # of the decisions of the last round, which the learner drove alone, that it is to be sure of
 MANIFEST = Manifest(
     schema=1,
     rate_hz=20.0,
     summary="a small network that was cloned from a driver with privilege",
     image=PictureInput(
-        width_px=160,  # what lies on the road is low, so rows are finer than columns
-        height_px=80,
-        frames_ago=(40, 20, 8, 3, 0),
-        crop=Crop(top_share=0.46666666666666667, bottom_share=0.8666666666666667),
+        width_px=160, height_px=64, frames_ago=(40, 20, 8, 3, 0), crop=Crop(top_share=0.46666666666666667)
     ),
     state=StateInput(values=("speed",)),
 )
@@ -123,10 +120,10 @@ if __name__ == "__main__":
         metavar="DRIVER",
         help="a driver by name, which labels every decision",
     )
-    parser.add_argument("--rounds", type=int, default=6, help="of collecting and fitting")
-    parser.add_argument("--drives", type=int, default=75, help="of a round; the first has twice as many")
+    parser.add_argument("--rounds", type=int, default=8, help="of collecting and fitting")
+    parser.add_argument("--drives", type=int, default=70, help="of a round; the first has twice as many")
     parser.add_argument("--decisions", type=int, default=400, help="longest drive, at 20 a second")
-    parser.add_argument("--epochs", type=int, default=1, help="of a round; the last has five times as many")
+    parser.add_argument("--epochs", type=int, default=2, help="of a round; the last has three times as many")
     parser.add_argument("--seed", type=int, default=0, help="first of the drives' seeds")
     parser.add_argument("--workers", type=int, default=2, help="processes that drive")
     main(parser.parse_args())

@@ -12,14 +12,12 @@ import pytest
 import vpf_sim
 from behaviour_cloning import scenes
 from behaviour_cloning.collect import LANE_M, Drive, Settings, collect, drive
-from behaviour_cloning.nearness import COLUMNS, FAR_M, FRONT_M, SIDE_M, Nearness
 from behaviour_cloning.teacher import Teacher
-from vpf_sim import drivers, scenarios
+from vpf_sim import drivers
 from vpf_sim.driver_interface import Command, Driver
 from vpf_sim.drivers.learned.manifest import Crop, Manifest, PictureInput, StateInput
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.episode import read, setup_for
-from vpf_sim.types import Image, Singles
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 MANIFEST = Manifest(
@@ -61,38 +59,6 @@ def test_scenes_follow_from_their_seeds_and_are_of_all_kinds() -> None:
         assert bool(scene.scenario.draw(seed).bodies) == scene.has_obstacles or scene.has_obstacles
 
 
-@pytest.mark.parametrize("lane", [1, 3])
-def test_what_stands_in_front_is_near_in_its_own_strips_alone(lane: int) -> None:
-    """A parked car 20 m ahead in the lane to the right or left, and another behind."""
-    text = f"""schema = 1
-    base = "straight"
-    [ego]
-    lane = 2
-    s_m = 30.0
-    [[bodies]]
-    kind = "car"
-    s_m = 50.0
-    lane = {lane}
-    [[bodies]]
-    kind = "car"
-    s_m = 20.0
-    lane = 2
-    [vary]
-    "ego.lateral_m" = [0.0, 0.0]
-    "ego.heading_deg" = [0.0, 0.0]
-    """
-    env = FourLane(scenarios.parse(text, "parked cars"), frames=False)
-    observed, _ = env.reset(seed=0)
-    near = Nearness(setup_for(drivers.create("expert"), env, 0)).at(read(observed))
-    parked = next(one for one in env.road.objects + env.road.vehicles if 45.0 < one.place[0] < 55.0)
-    width_m, offset_m = parked.WIDTH, 3.5 * (2 - lane)  # lanes count from the right
-    middles_m = -SIDE_M + 2.0 * SIDE_M * (np.arange(COLUMNS) + 0.5) / COLUMNS
-    assert near[np.abs(middles_m - offset_m) < 0.5 * width_m] == pytest.approx(
-        1.0 - (20.0 - 0.5 * parked.LENGTH - FRONT_M) / FAR_M, abs=0.01
-    )
-    assert (near[np.abs(middles_m - offset_m) > 0.5 * width_m + 2.0 * SIDE_M / COLUMNS] == 0.0).all()
-
-
 def side_by_side(at_the_wheel: str, seconds: float) -> tuple[Command, Command, Command]:
     """The last commands of the teacher, of `expert`, and of the driver that has the wheel in a bend."""
     env = FourLane("curve-left", frames=False)
@@ -126,8 +92,7 @@ def test_a_drive_repeats_and_has_the_manifests_sizes() -> None:
     assert first.pictures.shape == (12, 1, 16, 32)
     assert first.states.shape == (12, 1)
     assert first.labels.shape == (12, 2)
-    assert first.nearness.shape == (12, COLUMNS)
-    for key in ("pictures", "states", "labels", "nearness"):
+    for key in ("pictures", "states", "labels"):
         assert (getattr(first, key) == getattr(second, key)).all()
 
 
@@ -160,13 +125,7 @@ def recorded(level: int, count: int) -> Drive:
     """A drive whose k-th picture has the grey level `level` + k."""
     levels = np.arange(level, level + count, dtype=np.uint8)
     pictures = np.broadcast_to(levels[:, None, None, None], (count, 1, 4, 6)).copy()
-    return drive_of(pictures, np.ones((count, 2), np.float32))
-
-
-def drive_of(pictures: Image, labels: Singles) -> Drive:
-    """A drive at standstill on an empty road."""
-    count = len(labels)
-    return Drive(pictures, np.zeros((count, 1), np.float32), labels, np.zeros((count, COLUMNS), np.float32), "running")
+    return Drive(pictures, np.zeros((count, 1), np.float32), np.ones((count, 2), np.float32), "running")
 
 
 def test_decisions_stack_frames_of_their_own_drive_only() -> None:
@@ -184,11 +143,9 @@ def test_a_mirrored_decision_steers_to_the_other_side() -> None:
 
     pictures = np.arange(24, dtype=np.float32).reshape(2, 1, 3, 4)
     labels = np.array([[0.5, 0.25], [0.5, 0.25]], np.float32)
-    nearness = np.tile(np.arange(COLUMNS, dtype=np.float32), (2, 1))
     before = pictures.copy()
-    mirror(pictures, labels, nearness, np.array([True, False]))
+    mirror(pictures, labels, np.array([True, False]))
     assert labels.tolist() == [[0.5, -0.25], [0.5, 0.25]]
-    assert nearness.tolist() == [[*reversed(range(COLUMNS))], [*range(COLUMNS)]]
     assert (pictures[0] == np.flip(before[0], axis=-1)).all()
     assert (pictures[1] == before[1]).all()
 
@@ -219,12 +176,12 @@ def test_a_network_learns_to_say_where_the_teacher_is_random() -> None:
     pictures[:, :, :8, :] = np.where(noisy, 20, 200)[:, None, None, None]
     labels = np.zeros((count, 2), np.float32)
     labels[noisy, 1] = rng.choice([-0.1, 0.1], noisy.sum())
-    decisions = Decisions([drive_of(pictures, labels)], (0,))
+    decisions = Decisions([Drive(pictures, np.zeros((count, 1), np.float32), labels, "running")], (0,))
     network = Network(1, 16, 16)
     [*fit(network, decisions, 30, 0)]
     stated = answers(network, decisions).deviations
     assert np.median(stated[noisy]) == pytest.approx(0.1 * 2.0**0.5, rel=0.4)
-    assert np.median(stated[~noisy]) < 0.25 * np.median(stated[noisy])
+    assert np.median(stated[~noisy]) < 0.02
 
 
 def test_the_errors_of_unsure_answers_are_compared_with_those_of_the_others() -> None:
@@ -259,7 +216,7 @@ def test_a_training_in_small_writes_a_policy_that_drives(tmp_path: Path) -> None
     assert done.returncode == 0, done.stderr
     assert "round 1: seeds 2:3, learner 50%" in done.stdout
     model = tmp_path / "out" / "policy.onnx"
-    assert model.stat().st_size < 4e6, "a million weights at most"
+    assert model.stat().st_size < 2e6
     driver = drivers.create(f"onnx:{model}")
     training = driver.manifest.training  # type: ignore[attr-defined]
     assert training.expert == "pid"

@@ -3,7 +3,7 @@
 import gc
 from collections.abc import Iterator
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from behaviour_cloning import scenes
-from behaviour_cloning.nearness import Nearness
 from behaviour_cloning.teacher import Teacher
 from vpf_sim.driver_interface import Command, Driver, Observation
 from vpf_sim.drivers.learned.driver import OnnxDriver, shrink, state_vector
@@ -49,7 +48,6 @@ class Drive:
     pictures: Image  # (T, channels of a frame, H, W)
     states: Singles  # (T, values)
     labels: Singles  # (T, 2) throttle and steering of the teacher
-    nearness: Singles  # (T, COLUMNS) of what is in front, as `nearness.py` has it
     status: str
 
     def __len__(self) -> int:
@@ -75,14 +73,13 @@ def drive(task: Task) -> Drive:
         observed, info = env.reset(seed=seed)
         for driver in asked:
             driver.reset(setup_for(driver, env, seed))
-        nearness = Nearness(replace(setup_for(asked[0], env, seed), world=env.road, route=env.route.copy()))
         wheel, log = _Wheel(settings.learner_share, rng), _Log(settings.manifest)
         repeat, standing = round(env.rate_hz / settings.manifest.rate_hz), 0
         while len(log) < settings.decisions and standing < MOST_STANDING and _stays(info, scene):
             observation = read(observed)
             commands = [driver.act(observation) for driver in asked]
             label, command = commands[0], wheel.next(commands[0], commands[-1])
-            log.add(observation, label, command, nearness.at(observation))
+            log.add(observation, label, command)
             is_stuck = observation.speed_mps < STANDING_MPS and label.throttle > 0.0
             standing = standing + 1 if is_stuck else 0
             for tick in range(1, repeat + 1):
@@ -130,19 +127,19 @@ class _Log:
         assert manifest.image is not None
         assert manifest.state is not None
         self._image, self._state = manifest.image, manifest.state
-        self._rows: list[tuple[Image, Singles, list[float], Singles]] = []
+        self._rows: list[tuple[Image, Singles, list[float]]] = []
         self._action = np.zeros(2)
 
     def __len__(self) -> int:
         return len(self._rows)
 
-    def add(self, observation: Observation, label: Command, command: Command, nearness: Singles) -> None:
-        """A decision: what the policy gets, what the teacher would do, what is done, and what is in front."""
+    def add(self, observation: Observation, label: Command, command: Command) -> None:
+        """A decision: what the policy gets, what the teacher would do, and what is done."""
         state = state_vector(observation, self._action, self._state)[0]
-        self._rows.append((shrink(observation.image, self._image), state, [label.throttle, label.steering], nearness))
+        self._rows.append((shrink(observation.image, self._image), state, [label.throttle, label.steering]))
         self._action = np.clip([command.throttle, command.steering], -1.0, 1.0)
 
     def drive(self, status: str) -> Drive:
         """The drive with all its decisions."""
-        pictures, states, labels, nearness = ([*column] for column in zip(*self._rows, strict=True))
-        return Drive(np.array(pictures), np.array(states), np.array(labels, np.float32), np.array(nearness), status)
+        pictures, states, labels = ([*column] for column in zip(*self._rows, strict=True))
+        return Drive(np.array(pictures), np.array(states), np.array(labels, np.float32), status)

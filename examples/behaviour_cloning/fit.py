@@ -17,8 +17,7 @@ BATCH = 128
 LEARNING_RATE, WEIGHT_DECAY = 2e-3, 1e-4
 BRAKING_WEIGHT = 4.0  # by which a decision to brake fully counts more
 NOISE_VALUES, MOST_SMEAR_PX = 2_000_000, 12
-NEARNESS_WEIGHT, NEARNESS_SCALE = 0.5, 0.1
-Batch = tuple[Tensor, Tensor, Tensor, Tensor]
+Batch = tuple[Tensor, Tensor, Tensor]
 
 
 class Decisions:
@@ -28,7 +27,6 @@ class Decisions:
         self._pictures = np.concatenate([one.pictures for one in drives])
         self._states = np.concatenate([one.states for one in drives])
         self._labels = np.concatenate([one.labels for one in drives])
-        self._nearness = np.concatenate([one.nearness for one in drives])
         ago = [np.maximum(np.arange(len(one))[:, None] - np.array(frames_ago), 0) for one in drives]
         starts = np.cumsum([0, *(len(one) for one in drives[:-1])])
         self._frames = np.concatenate([start + rows for start, rows in zip(starts, ago, strict=True)])
@@ -42,26 +40,25 @@ class Decisions:
         pictures /= 255.0
         return pictures.reshape(len(rows), -1, *pictures.shape[-2:])
 
-    def given(self, rows: Integers) -> tuple[Singles, Singles, Singles]:
-        """(B, values) the states, (B, 2) the teacher's commands and (B, COLUMNS) the nearness, as copies."""
-        return self._states[rows], self._labels[rows], self._nearness[rows]
+    def given(self, rows: Integers) -> tuple[Singles, Singles]:
+        """(B, values) the states and (B, 2) the teacher's commands of some decisions, as copies."""
+        return self._states[rows], self._labels[rows]
 
     def batches(self, rng: np.random.Generator) -> Iterator[Batch]:
         """Every decision once, in random order, half of them mirrored, with disturbed pictures."""
         order, disturbances = rng.permutation(len(self)), Disturbances(rng)
         for first in range(0, len(order) - BATCH // 2, BATCH):
             rows = order[first : first + BATCH]
-            pictures, (states, labels, nearness) = self.stacked(rows), self.given(rows)
-            mirror(pictures, labels, nearness, rng.random(len(rows)) < 0.5)
+            pictures, (states, labels) = self.stacked(rows), self.given(rows)
+            mirror(pictures, labels, rng.random(len(rows)) < 0.5)
             disturbances.apply(pictures)
-            yield tuple(map(torch.from_numpy, (pictures, states, labels, nearness)))
+            yield torch.from_numpy(pictures), torch.from_numpy(states), torch.from_numpy(labels)
 
 
-def mirror(pictures: Singles, labels: Singles, nearness: Singles, which: Bools) -> None:
+def mirror(pictures: Singles, labels: Singles, which: Bools) -> None:
     """Swap left and right of some decisions, in place; the speed, which is all of the state, stays."""
     pictures[which] = pictures[which, ..., ::-1]
     labels[which, 1] *= -1.0
-    nearness[which] = nearness[which, ::-1]
 
 
 class Disturbances:
@@ -107,15 +104,11 @@ def fit(network: Network, decisions: Decisions, epochs: int, seed: int) -> Itera
     network.train().to(memory_format=torch.channels_last)
     for _ in range(epochs):
         losses = []
-        for pictures, states, labels, nearness in ahead(decisions.batches(rng)):
+        for pictures, states, labels in ahead(decisions.batches(rng)):
             optimiser.zero_grad()
             pictures = pictures.to(memory_format=torch.channels_last)  # twice as fast
-            with torch.autocast("cpu", torch.bfloat16):  # and once more, where the processor has such numbers
-                found = network.all(pictures, states)
-            commands, deviations, near = (one.float() for one in found)
-            loss, doubt = losses_of(commands, deviations, labels)
-            seen = torch.nn.functional.smooth_l1_loss(near / NEARNESS_SCALE, nearness / NEARNESS_SCALE)
-            (loss + doubt + NEARNESS_WEIGHT * seen).backward()  # type: ignore[no-untyped-call]
+            loss, doubt = losses_of(*network(pictures, states), labels)
+            (loss + doubt).backward()  # type: ignore[no-untyped-call]
             optimiser.step()
             schedule.step()
             losses.append(loss.item())
@@ -149,7 +142,7 @@ def answers(network: Network, decisions: Decisions) -> Answers:
     with torch.no_grad():
         for first in range(0, len(decisions), BATCH):
             rows = np.arange(first, min(first + BATCH, len(decisions)))
-            states, labels, _ = decisions.given(rows)
+            states, labels = decisions.given(rows)
             command, deviation = network(torch.from_numpy(decisions.stacked(rows)), torch.from_numpy(states))
             found.append(np.stack([np.abs(command.numpy() - labels)[:, 1], deviation.numpy()[:, 1]]))
     return Answers(*np.concatenate(found, axis=1))

@@ -5,8 +5,6 @@ from itertools import pairwise
 import torch
 from torch import Tensor, nn
 
-from behaviour_cloning.nearness import COLUMNS
-
 WIDTHS = (16, 32, 48, 64)  # channels of the convolutions, each of which halves the picture
 HIDDEN = 128
 SCALES = (0.3, 0.05)  # of throttle and steering: errors that count alike
@@ -34,17 +32,11 @@ class Network(nn.Module):
         self.picture = nn.Sequential(nn.Dropout(0.1), nn.Linear(features, HIDDEN), nn.ReLU())
         self.command = nn.Sequential(nn.Linear(HIDDEN + 1, HIDDEN), nn.ReLU(), nn.Linear(HIDDEN, 2))
         self.deviation = nn.Sequential(nn.Linear(HIDDEN + 1, HIDDEN // 2), nn.ReLU(), nn.Linear(HIDDEN // 2, 2))
-        self.nearness = nn.Linear(HIDDEN, COLUMNS)
 
     def forward(self, image: Tensor, state: Tensor) -> tuple[Tensor, Tensor]:
-        """Command and deviation, which is all that a driver needs."""
-        return self.all(image, state)[:2]
+        """Command and deviation. Brightness and contrast of the whole picture are taken out: weather changes them.
 
-    def all(self, image: Tensor, state: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        """Command, deviation and (B, COLUMNS) nearness of what is in front.
-
-        Brightness and contrast of the whole picture are taken out: weather changes them. The deviation learns from what
-        the command sees, and does not change it.
+        The deviation learns from what the command sees, and does not change it.
         """
         level = image.mean(dim=(1, 2, 3), keepdim=True)
         spread = (image - level).square().mean(dim=(1, 2, 3), keepdim=True).sqrt()
@@ -52,4 +44,4 @@ class Network(nn.Module):
         faster = state * SPEED_SCALE_MPS - SPEED_MPS
         seen = torch.cat([features, faster], dim=1)
         deviation = nn.functional.softplus(self.deviation(seen.detach())) + LEAST_DEVIATION
-        return self.command(seen), deviation * torch.tensor(SCALES), self.nearness(features)
+        return self.command(seen), deviation * torch.tensor(SCALES)

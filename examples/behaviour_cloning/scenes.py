@@ -33,8 +33,8 @@ OBSTACLES = {  # starts before the obstacles and actors, which a short drive wou
     "traffic": Kind(2.0),
     "oncoming": Kind(1.5, ((0.0, 20.0), (60.0, 75.0))),
     "cut-in": Kind(1.5, ((0.0, 3.0), (85.0, 95.0))),
-    "stop-and-go": Kind(2.5),
-    "crossing": Kind(3.0, ((0.0, 25.0), (70.0, 90.0), (135.0, 150.0))),
+    "stop-and-go": Kind(1.5),
+    "crossing": Kind(2.0, ((0.0, 25.0), (70.0, 90.0), (135.0, 150.0))),
     "open-door": Kind(1.5, ((0.0, 20.0), (90.0, 115.0))),
     "random-events": Kind(2.0),
     "random-marks": Kind(1.5, any_lane=True),
@@ -42,7 +42,6 @@ OBSTACLES = {  # starts before the obstacles and actors, which a short drive wou
     "rows-worn": Kind(2.0, ((0.0, 10.0),)),
     "random-dash-cam": Kind(1.5, any_lane=True),
     "random-phone": Kind(1.5, any_lane=True),
-    "blocked": Kind(1.5, ((40.0, 85.0),), any_lane=True),
 }
 DRAWN = ("random", "rows")  # begin the names of scenarios that draw their road
 USUAL_WEATHERS, USUAL_SHARE = ("clear", "rain", "ClearNight"), 0.6  # of the drives; the others have any preset
