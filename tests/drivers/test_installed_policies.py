@@ -1,4 +1,4 @@
-"""The policies installed fit their manifests and follow a bend; the cloned one is unsure before a wall of lorries."""
+"""The policies installed fit their manifests, follow a bend and pass a car; the cloned one doubts before lorries."""
 
 from pathlib import Path
 
@@ -46,6 +46,15 @@ def test_it_follows_a_bend(driver: str, base: str, weather: str, tmp_path: Path)
     episode = vpf_sim.drive(path, driver=driver, weather=weather, seed=900)
     assert episode.status == "success"
     assert episode.record["max_lane_offset_m"] < 1.0
+
+
+def test_the_one_that_learned_by_reward_passes_a_parked_car(tmp_path: Path) -> None:
+    """The second of `town04`, which stands 0.9 m beside the lane's centre, so that no car fits straight on."""
+    path = tmp_path / "car.toml"
+    path.write_text('schema = 1\nbase = "town04"\n[ego]\ns_m = 130.0\n[goal]\ns_m = 180.0\n')
+    episode = vpf_sim.drive(path, driver="learned-ppo", weather="rain", seed=900)
+    assert episode.status == "success"
+    assert episode.record["max_lane_offset_m"] > 1.0
 
 
 @pytest.mark.parametrize(("road", "unsure"), [(WALL, True), (ROAD, False)], ids=["wall", "empty"])

@@ -103,7 +103,9 @@ _REGISTRY: dict[str, _Entry] = {
         lambda: _learned(LEARNED["learned-bc"]), "none", "a small network that was cloned from drivers with privilege"
     ),
     "learned-ppo": _Entry(
-        lambda: _learned(LEARNED["learned-ppo"]), "none", "a small network that learned to keep its lane by reward"
+        lambda: _learned(LEARNED["learned-ppo"]),
+        "none",
+        "a small network that learned by reward to keep its lane and to pass parked cars",
     ),
     KEYBOARD: _Entry(_keyboard, "none", "a person at the keys or a gamepad; needs a display"),
     "neutral": _Entry(NeutralDriver, "none", "no throttle and no steering"),
