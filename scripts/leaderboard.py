@@ -3,13 +3,13 @@
     python scripts/leaderboard.py leaderboard/entries/*/ --out docs/leaderboard.md
 
 A driver is ranked by its mean driving score over the drives of leaderboard/plan.toml. A run that lacks one of them,
-or was driven in other scenarios or weathers, is refused. `verification.json` in a run folder is what
+or was driven in other scenarios or weathers, is refused. Of a driver in several runs the last counts, in the order of
+the folders' names where a shell expands them. `verification.json` in a run folder is what
 `vpf-sim verify --json` printed; it counts while the records are those that it is of.
 """
 
 import argparse
 import sys
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -61,7 +61,8 @@ HOW_TO_ENTER = """
    200 kB a drive, it drives all of them again. A run that differs by a bit fails, with the first difference
    ([verification.md](verification.md)).
 
-The seeds are public, so a driver can be tuned on them, and nothing stops that but your word. A new version of the
+A later run of a driver takes the place of an earlier one; folders count in the order of their names. The seeds are
+public, so a driver can be tuned on them, and nothing stops that but your word. A new version of the
 plan has new seeds, which all drivers drive again.
 """
 
@@ -255,11 +256,8 @@ def main() -> None:
     options = parser.parse_args()
     try:
         plan = make_plan({"driver": ["-"], **read_plan(str(options.plan))}, str(options.plan))
-        found = [one for path in options.runs for one in entries(path, plan, not options.no_sizes)]
-        names = Counter(entry.driver for entry in found)
-        if twice := next((name for name, count in names.items() if count > 1), None):
-            raise InputError(f"{twice}: expected one run of each driver, got {names[twice]}")
-        write_text(options.out, page(found, plan))
+        found = {one.driver: one for path in options.runs for one in entries(path, plan, not options.no_sizes)}
+        write_text(options.out, page([*found.values()], plan))
     except (InputError, OSError) as error:
         sys.exit(f"leaderboard.py: {error}")
 

@@ -88,11 +88,13 @@ def test_a_run_in_an_easier_scenario_of_the_same_name_is_refused(tmp_path: Path)
     assert "scenarios: cut-in: expected that of this version, got another form of it" in done.stderr
 
 
-def test_a_driver_that_is_entered_twice_is_refused(tmp_path: Path) -> None:
-    runs = [enter(tmp_path / name, "vpf", {}) for name in ("once", "again")]
-    done = made(tmp_path, *runs)
-    assert done.returncode == 1
-    assert "vpf: expected one run of each driver, got 2" in done.stderr
+def test_of_a_driver_that_is_entered_twice_the_later_run_counts(tmp_path: Path) -> None:
+    failure = {"status": "stuck", "driving_score_2_1": 0.5}
+    failed = dict.fromkeys(Plan(SCENARIOS, WEATHERS, ("vpf",), "7:9").jobs(), failure)
+    once, again = enter(tmp_path / "once", "vpf", failed), enter(tmp_path / "again", "vpf", {})
+    for runs, score in (((once, again), "1.00"), ((again, once), "0.50")):
+        (row,) = rows_of(tmp_path, *runs)
+        assert row[3].startswith(score), row
 
 
 @pytest.mark.parametrize(
