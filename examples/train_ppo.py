@@ -23,7 +23,7 @@ from gymnasium import spaces
 try:
     import torch
     from stable_baselines3 import PPO
-    from stable_baselines3.common.callbacks import CheckpointCallback
+    from stable_baselines3.common.callbacks import BaseCallback, CheckpointCallback
     from stable_baselines3.common.env_util import make_vec_env
     from stable_baselines3.common.logger import configure
     from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
@@ -177,6 +177,17 @@ class Command(nn.Module):
         return torch.cat([throttle, steering], dim=1)
 
 
+class StopAt(BaseCallback):
+    """Ends the training after some decisions, before the learning rate has fallen to 0."""
+
+    def __init__(self, decisions: int) -> None:
+        super().__init__()
+        self._decisions = decisions
+
+    def _on_step(self) -> bool:
+        return self.num_timesteps < self._decisions
+
+
 def main(options: argparse.Namespace) -> None:
     began_s, made_from = perf_counter(), commit()
     torch.set_num_threads(1)
@@ -196,7 +207,8 @@ def main(options: argparse.Namespace) -> None:
     )
     options.out.mkdir(parents=True, exist_ok=True)
     learned.set_logger(configure(str(options.out), ["stdout", "csv"]))  # progress.csv: the learning curve
-    learned.learn(options.steps, CheckpointCallback(CHECKPOINT // options.worlds, str(options.out), "policy"))
+    kept = CheckpointCallback(max(CHECKPOINT // options.worlds, 1), str(options.out), "policy")
+    learned.learn(options.steps, [kept, StopAt(options.stop_at or options.steps)])
     worlds.close()
     finish(learned, options, made_from, (perf_counter() - began_s) / 3600.0)
 
@@ -232,7 +244,8 @@ def recorded(
 ) -> Manifest:
     """The manifest with the record of the training."""
     training = Training(
-        command=f"python examples/train_ppo.py FOLDER --steps {options.steps} --scale {options.scale} "
+        command=f"python examples/train_ppo.py FOLDER --steps {options.steps} "
+        f"{f'--stop-at {options.stop_at} ' if options.stop_at else ''}--scale {options.scale} "
         f"--seed {options.seed} --worlds {options.worlds} --steps-of-an-update {options.steps_of_an_update}",
         commit=made_from,
         scenarios=SCENARIOS,
@@ -250,6 +263,10 @@ def _positive(text: str) -> int:
     return int(text)
 
 
+def _seed(text: str) -> int:
+    return int(text) if text == "0" else _positive(text)
+
+
 def _seeds(text: str) -> Sequence[int]:
     try:
         return parse_seeds(text, "A:B")
@@ -261,11 +278,15 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("out", type=Path, metavar="FOLDER")
     parser.add_argument("--steps", type=_positive, default=1_000_000, help="decisions, at 5 a second")
+    parser.add_argument("--stop-at", type=_positive, help="decisions, before the learning rate has fallen to 0")
     parser.add_argument("--steps-of-an-update", type=_positive, default=128, help="of each world")
     parser.add_argument(
         "--scale", type=_positive, default=2, help="draw pictures so many times larger, and average them"
     )
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--seed", type=_seed, default=0)
     parser.add_argument("--test-seeds", type=_seeds, default="900:905", help="of the drives after training")
     parser.add_argument("--worlds", type=_positive, default=16, help="drives side by side, in one process")
-    main(parser.parse_args())
+    try:
+        main(parser.parse_args())
+    except InputError as error:
+        sys.exit(f"train_ppo.py: {error}")

@@ -3,14 +3,14 @@
     python scripts/leaderboard.py leaderboard/entries/*/ --out docs/leaderboard.md
 
 A driver is ranked by its mean driving score over the drives of leaderboard/plan.toml. A run that lacks one of them,
-or was driven in other scenarios or weathers, is refused. Of a driver in several runs the last counts, in the order of
-the folders' names where a shell expands them. `verification.json` in a run folder is what
+or was driven in other scenarios or weathers, is refused. Of a driver in several runs the one that was begun last
+counts, and a verified one before others. `verification.json` in a run folder is what
 `vpf-sim verify --json` printed; it counts while the records are those that it is of.
 """
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
@@ -61,7 +61,7 @@ HOW_TO_ENTER = """
    200 kB a drive, it drives all of them again. A run that differs by a bit fails, with the first difference
    ([verification.md](verification.md)).
 
-A later run of a driver takes the place of an earlier one; folders count in the order of their names. The seeds are
+A later run of a driver takes the place of an earlier one, once it is verified. The seeds are
 public, so a driver can be tuned on them, and nothing stops that but your word. A new version of the
 plan has new seeds, which all drivers drive again.
 """
@@ -124,6 +124,12 @@ def entries(path: Path, plan: Plan, sizes: bool = True) -> Iterator[Entry]:
             got = f"got {len(jobs) - len(missing)} of {driver}, without {missing[0]}"
             raise InputError(f"{path}: expected a record of each of the {len(jobs)} drives of the plan, {got}")
         yield Entry(driver, run, jobs, _size(driver) if sizes else None, _verification(run))
+
+
+def latest(found: Iterable[Entry]) -> list[Entry]:
+    """Of each driver the verified run that was begun last; where none is verified, the last."""
+    ordered = sorted(found, key=lambda entry: (entry.verified.startswith("yes"), entry.run.manifest.begun or ""))
+    return [*{entry.driver: entry for entry in ordered}.values()]
 
 
 def _check_inputs(run: StoredRun, plan: Plan) -> None:
@@ -256,8 +262,8 @@ def main() -> None:
     options = parser.parse_args()
     try:
         plan = make_plan({"driver": ["-"], **read_plan(str(options.plan))}, str(options.plan))
-        found = {one.driver: one for path in options.runs for one in entries(path, plan, not options.no_sizes)}
-        write_text(options.out, page([*found.values()], plan))
+        found = [one for path in options.runs for one in entries(path, plan, not options.no_sizes)]
+        write_text(options.out, page(latest(found), plan))
     except (InputError, OSError) as error:
         sys.exit(f"leaderboard.py: {error}")
 

@@ -202,7 +202,9 @@ class Obstacles(LateralExtents):
     ttc_s: Floats  # (K,) inf where the gap does not close
     identity: NDArray[np.int64]  # (K,) negative where it moves
     speed_mps: Floats = field(default_factory=lambda: np.empty(0))  # (K,) along the road; left out, all stand
-    existence: Floats = field(default_factory=lambda: np.empty(0))  # (K,) probability; left out, nan: it is not said
+    existence: Floats = field(
+        default_factory=lambda: np.empty(0)
+    )  # (K,) probability; nan where none is stated, as if left out
 
     def __post_init__(self) -> None:
         for name, left_out in (("speed_mps", 0.0), ("existence", np.nan)):

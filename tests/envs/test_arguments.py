@@ -43,7 +43,7 @@ def test_several_scenarios_are_drawn_by_either_name() -> None:
         (IDS[0], {"wheather": "rain"}, "unknown option 'wheather': did you mean 'weather'?"),
         (IDS[0], {"image_size": (84, 84)}, "unknown option 'image_size': known: frames, rate_hz, render_mode, rig,"),
         (IDS[1], {"size": (84, 84)}, "unknown option 'size': did you mean 'image_size'?"),
-        (IDS[1], {"truth": ("depth",)}, "unknown option 'truth': known: action_repeat, fov_deg, grey, image_size,"),
+        (IDS[1], {"lidar": ("depth",)}, "unknown option 'lidar': known: action_repeat, fov_deg, grey, image_size,"),
         (IDS[1], {"image_size": (63, 48)}, "camera: width_px: expected at least 64, got 63"),
     ],
 )

@@ -37,7 +37,7 @@ def test_a_car_that_is_slower_than_the_traffic_may_be_overtaken_in_each_other_la
     np.testing.assert_allclose(np.unique(tracks(2.0, d_m=LANE_M).d_m), [-LANE_M, 0.0])
 
 
-def test_whom_the_car_has_left_behind_must_catch_up_before_they_are_beside_it() -> None:
+def test_vehicles_that_the_car_has_overtaken_must_catch_up() -> None:
     """7 s at 5 m/s past traffic of 3 m/s, which counts after 1 s, gain 14 m; a second of standing loses 3 m."""
     unseen, lane = UnseenTraffic(driver_settings.scene().unseen), EgoState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     front_m = []
@@ -50,6 +50,13 @@ def test_whom_the_car_has_left_behind_must_catch_up_before_they_are_beside_it() 
     touching_m = (beside_m.s_m + 0.5 * beside_m.length_m).max()
     assert front_m[0] == pytest.approx(touching_m - 14.0 + 1.5, abs=0.7)
     assert np.diff(front_m) == pytest.approx(0.3)
+
+
+def test_a_scene_that_begins_later_counts_standing_from_there() -> None:
+    unseen = UnseenTraffic(driver_settings.scene().unseen)
+    for time_s in np.arange(300.0, 302.0, 0.1).tolist():
+        unseen.update(time_s, 0.0, {7: TRAFFIC_MPS})
+    assert len(unseen.tracks(road(), EgoState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 302.0))
 
 
 def test_what_drives_for_a_moment_only_is_no_traffic() -> None:

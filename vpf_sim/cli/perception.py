@@ -134,7 +134,7 @@ def print_totals(totals: "list[Row]") -> None:
     )
     print("\nErrors of correct detections, median / 95th percentile:\n")
     print_table(("", *ERROR_LABELS), [(_name(row), *_errors(row)) for row in totals])
-    print("\nOverlap across within 12 m, median, %:\n")
+    print("\nLateral overlap (intersection over union) within 12 m, median, %:\n")
     print_table(("", "overlap"), [(_name(row), percent(row["overlap"])) for row in totals])
     _print_calibration(totals)
     print("\nErrors of road and focus of expansion (FOE), median / 95th percentile:\n")
@@ -154,13 +154,19 @@ def print_totals(totals: "list[Row]") -> None:
 def _print_calibration(totals: "list[Row]") -> None:
     """Print how often what is stated with a probability exists, of drivers that state one."""
     bands = [
-        (_name(row), percent(band["stated"]), percent(band["right"]), str(band["count"]))
+        (
+            _name(row),
+            f"{100.0 * band['from']:.0f}-{100.0 * band['to']:.0f}",
+            percent(band["stated"]),
+            percent(band["right"]),
+            str(band["count"]),
+        )
         for row in totals
         for band in row["calibration"]
     ]
     if bands:
-        print("\nExistence, of detections that are stated with 50-70, 70-90, 90-97 and 97-100 %:\n")
-        print_table(("", "stated %", "exists %", "detections"), bands)
+        print("\nExistence, by the probability that the driver states:\n")
+        print_table(("", "band %", "mean %", "exists %", "detections"), bands)
 
 
 def print_differences(differences: "list[Row]") -> None:

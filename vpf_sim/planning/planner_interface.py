@@ -22,4 +22,4 @@ class Planner(ABC):
 
     @abstractmethod
     def step(self, perception: Perception, observation: Observation, limit_mps: float = inf) -> Planned:
-        """Fields at the vehicle, and heading and speed reference, which is at most `limit_mps`."""
+        """Fields at the vehicle, and heading and speed reference, whose target is at most `limit_mps`."""

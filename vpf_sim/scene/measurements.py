@@ -58,10 +58,10 @@ def of_obstacles(
 
 
 def _whole_widths(s_m: Floats, d_m: Floats, width_m: Floats, moving: Bools) -> Floats:
-    """(K,) widths with those of the faces beside them: a narrow one may be all that another leaves of a vehicle."""
+    """(K,) widths, of standing faces with those beside them: a narrow one may be a vehicle behind another."""
     left, right = d_m - 0.5 * width_m, d_m + 0.5 * width_m
     beside = (left < right[:, None] + ROW_GAP_M) & (right > left[:, None] - ROW_GAP_M)
-    beside &= (np.abs(s_m - s_m[:, None]) < ROW_M) & (moving == moving[:, None])
+    beside &= (np.abs(s_m - s_m[:, None]) < ROW_M) & ~moving & ~moving[:, None] | np.eye(len(s_m), dtype=np.bool_)
     whole_right = np.where(beside, right, -np.inf).max(axis=1, initial=-np.inf)
     whole: Floats = whole_right - np.where(beside, left, np.inf).min(axis=1, initial=np.inf)
     return whole

@@ -25,7 +25,7 @@ BEHIND_M, AHEAD_M = 40.0, 120.0  # tracks that are farther away are pruned
 LEAST_MPS, SURE_SIGMAS, SURE_FRAMES = np.array([1.0, 0.5]), 3.0, 3.0  # of points by which a standing track moves away
 DISTANCE_SHARE = 0.5  # of the own speed, along
 CROSSES_MPS = 0.6  # across, and more than along
-DRIVES_MPS, ALONG_SHARE, VEHICLE_M = 1.5, 0.3, 3.0  # of traffic: speed, share of it across, length
+DRIVES_MPS, ALONG_SHARE, VEHICLE_M = 1.5, 0.3, (3.0, 1.2)  # of traffic: speed, share of it across, size
 LEFT_M, MOVED_LOSS_PER_S = 3.0, 2.0  # what stands so near to where it is now is what it was
 VAGUE_M = 5.0  # or whose place is known no better
 
@@ -135,11 +135,11 @@ class SceneTracker:
 
     @property
     def traffic_mps(self) -> dict[int, float]:
-        """Speeds, by identity, of reported tracks that drive along the road our way and are as long as a vehicle."""
+        """Speeds, by identity, of reported tracks that drive along the road our way and are as large as a vehicle."""
         table = self.table
         along, across = table.state[:, 2], np.abs(table.state[:, 3])
-        drives = (along > DRIVES_MPS) & (across < ALONG_SHARE * along) & (table.length_m > VEHICLE_M)
-        drives &= table.gain > REPORT
+        drives = (along > DRIVES_MPS) & (across < ALONG_SHARE * along) & (table.gain > REPORT)
+        drives &= (table.length_m > VEHICLE_M[0]) & (table.width_m > VEHICLE_M[1])
         return dict(zip(table.identity[drives].tolist(), along[drives].tolist(), strict=True))
 
     @property
@@ -179,7 +179,7 @@ class SceneTracker:
         table.covariance[rows] = (np.eye(4) - gain) @ before
         for name in ("width_m", "loss_per_s"):
             getattr(table, name)[rows] = getattr(found, name)
-        # what stands was seen best from afar: from beside, a part of its face is left
+        # what stands was seen best from afar: from the side, only a part of its face is visible
         table.length_m[rows] = np.where(found.stands, np.maximum(table.length_m[rows], found.length_m), found.length_m)
         most = np.where(found.stands, self._config.most_standing, self._config.most)
         table.gain[rows] = np.minimum(table.gain[rows] + fresh * found.gain, most)

@@ -1,8 +1,8 @@
 """What may drive where a camera that looks forward sees nothing: beside the car and behind it.
 
 A car that is slower than the traffic is overtaken. So where traffic was seen, a vehicle may drive in each other lane,
-beside or behind, at the traffic's speed, and a lane change may cut it off. Whom the car has left behind it saw, or they
-must catch up first. A car that has stood for some seconds no longer waits.
+beside or behind, at the traffic's speed, and a lane change may cut it off. Vehicles that the car has overtaken must
+catch up first. A car that has stood for some seconds no longer waits.
 """
 
 from collections.abc import Mapping
@@ -27,13 +27,15 @@ class UnseenTraffic:
 
     def __init__(self, config: UnseenConfig) -> None:
         self._config = config
-        self._speed_mps, self._seen_s, self._stood_s, self._last_s = 0.0, -inf, 0.0, 0.0
-        self._ahead_m = 0.0  # the way that the car has gained on the traffic since it was seen first
+        self._speed_mps, self._seen_s, self._stood_s = 0.0, -inf, 0.0
+        self._last_s: float | None = None
+        self._ahead_m = 0.0  # distance gained on the traffic since it was seen first
         self._since_s: dict[int, float] = {}  # when each track was seen first, of those seen last
 
     def update(self, time_s: float, own_mps: float, along_mps: Mapping[int, float]) -> None:
         """Note the speeds along the road of what moves in our direction, by the tracks' identities."""
-        since_s, self._last_s = time_s - self._last_s, time_s
+        since_s = 0.0 if self._last_s is None else time_s - self._last_s
+        self._last_s = time_s
         if own_mps < STANDING_MPS:
             self._stood_s += since_s
         elif own_mps > DRIVING_MPS:
