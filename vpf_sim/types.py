@@ -202,9 +202,7 @@ class Obstacles(LateralExtents):
     ttc_s: Floats  # (K,) inf where the gap does not close
     identity: NDArray[np.int64]  # (K,) negative where it moves
     speed_mps: Floats = field(default_factory=lambda: np.empty(0))  # (K,) along the road; left out, all stand
-    existence: Floats = field(
-        default_factory=lambda: np.empty(0)
-    )  # (K,) probability; nan where none is stated, as if left out
+    existence: Floats = field(default_factory=lambda: np.empty(0))  # (K,) probability; nan, as left out: not stated
 
     def __post_init__(self) -> None:
         for name, left_out in (("speed_mps", 0.0), ("existence", np.nan)):
@@ -289,6 +287,9 @@ class Force:
     obstacle: Floats
     road: Floats
     total: Floats
+
+
+NO_FORCE = Force(*np.zeros((4, 2)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,9 +5,9 @@ from math import atan
 from vpf_sim import drivers
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.driver_interface import Command, Driver, DriverSetup, Observation
+from vpf_sim.planning.spacetime.replanning import GAINS
 
 SLOWEST_MPS = 2.0  # below it the steering for a yaw rate stays within bounds
-GAINS = "motion"
 
 
 class Teacher(Driver):

@@ -93,6 +93,12 @@ def test_naming_the_drivers_loads_none_of_them() -> None:
     assert done.stdout.strip() == "[]"
 
 
+def test_a_driver_that_tracks_no_scene_does_not_wait_for_the_tracker() -> None:
+    code = "import sys; import vpf_sim.drivers.perceiver, vpf_sim.planning.planner; print('scipy.stats' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"
+
+
 @pytest.mark.parametrize("name", ["vpf", "vpf-scene", "vpf-paper", "vpf-literal"])
 def test_a_vision_driver_survives_a_frame_without_any_texture(name: str) -> None:
     driver = drivers.create(name)

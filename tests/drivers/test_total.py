@@ -24,7 +24,7 @@ from vpf_sim.planning.lane.obstacle_geometry import ObstacleGeometry
 from vpf_sim.planning.lane.reference import LaneReference
 from vpf_sim.planning.planner import create_planner
 from vpf_sim.replay.model_vehicle import Interval, ModelVehicle
-from vpf_sim.scene.camera import NO_EVIDENCE
+from vpf_sim.scene.evidence import NO_EVIDENCE
 from vpf_sim.types import Floats, LowObstacleRange, Obstacles, Reference, RoadEdges
 
 GAINS = ("literal", "paper", "robust", "super-twisting")

@@ -11,7 +11,8 @@ from made_scene import road
 from vpf_sim.driver_interface import Observation
 from vpf_sim.perception.obstacles.crossing import Crossers
 from vpf_sim.perception.obstacles.prediction import none
-from vpf_sim.scene.camera import CameraScene, Evidence, road_of
+from vpf_sim.scene.camera import CameraScene, road_of
+from vpf_sim.scene.evidence import Evidence
 from vpf_sim.types import Camera, Obstacles, RoadEdges
 
 RADIUS_M, LANE_M = 60.0, 3.5

@@ -2,7 +2,7 @@
 
 from vpf_sim.driver_interface import Command, Driver, DriverSetup, Observation, Privilege
 from vpf_sim.errors import InputError
-from vpf_sim.types import Plan
+from vpf_sim.types import NO_FORCE, Plan
 
 
 class ExpertDriver(Driver):
@@ -24,8 +24,6 @@ class ExpertDriver(Driver):
         self._plan: Plan | None = None
 
     def act(self, observation: Observation) -> Command:
-        from vpf_sim.planning.planner_interface import NO_FORCE
-
         if self._motion.is_due(observation.time_s):
             self._motion.plan(self._truth.at(observation))
         wanted, extra = self._motion.follow(self._truth.road, observation, self._truth.place(observation))

@@ -17,7 +17,7 @@ from vpf_sim.perception.obstacles.prediction import predict
 from vpf_sim.perception.plausible import Plausibility
 from vpf_sim.perception.schedule import Schedule
 from vpf_sim.planning.variant import FrameConfig, Variant
-from vpf_sim.scene.camera import Evidence
+from vpf_sim.scene.evidence import Evidence
 from vpf_sim.timing import timed
 from vpf_sim.types import Floats, Image, LowObstacleRange, Obstacles, Perception
 

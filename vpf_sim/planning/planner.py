@@ -4,7 +4,6 @@ from vpf_sim.driver_interface import DriverSetup
 from vpf_sim.planning.lane.planner import LanePlanner
 from vpf_sim.planning.paper.planner import PaperPlanner
 from vpf_sim.planning.planner_interface import Planner
-from vpf_sim.planning.scene_planner import ScenePlanner
 from vpf_sim.planning.variant import Variant
 from vpf_sim.planning.visibility import SpeedInSight
 
@@ -16,6 +15,8 @@ def create_planner(setup: DriverSetup, variant: Variant) -> Planner:
     assert variant.visibility is not None  # Variant has checked
     in_sight = SpeedInSight(variant.visibility, setup)
     if variant.scene is not None:
+        from vpf_sim.planning.scene_planner import ScenePlanner  # imports scipy.stats, which others do not need
+
         return ScenePlanner(setup, variant.scene, variant.road_edges.object_sizes, in_sight)
     assert variant.lane_planner is not None  # Variant has checked
     return LanePlanner(setup, variant.lane_planner, in_sight)

@@ -3,14 +3,11 @@
 from abc import ABC, abstractmethod
 from math import inf
 
-import numpy as np
-
 from vpf_sim.driver_interface import Observation
-from vpf_sim.scene.camera import Evidence
+from vpf_sim.scene.evidence import Evidence
 from vpf_sim.types import Force, Perception, PlanDetails, Reference
 
 Planned = tuple[Force, Reference, PlanDetails]
-NO_FORCE = Force(*np.zeros((4, 2)))
 
 
 class Planner(ABC):

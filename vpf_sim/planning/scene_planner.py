@@ -5,13 +5,14 @@ from math import inf
 
 from vpf_sim.driver_interface import DriverSetup, Observation
 from vpf_sim.perception.object_sizes import ObjectSizes
-from vpf_sim.planning.planner_interface import NO_FORCE, Planned, Planner
+from vpf_sim.planning.planner_interface import Planned, Planner
 from vpf_sim.planning.spacetime.replanning import REPLAN_S, MotionReplanner
 from vpf_sim.planning.visibility import SpeedInSight
-from vpf_sim.scene.camera import NO_EVIDENCE, CameraScene, Evidence
+from vpf_sim.scene.camera import CameraScene
+from vpf_sim.scene.evidence import NO_EVIDENCE, Evidence
 from vpf_sim.scene.scene_settings import SceneConfig
 from vpf_sim.timing import call
-from vpf_sim.types import Perception
+from vpf_sim.types import NO_FORCE, Perception
 
 
 class ScenePlanner(Planner):

@@ -16,7 +16,6 @@ from vpf_sim.perception.road.road_settings import RoadEdgeConfig
 from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.planning.paper.planner import PaperPlan
 from vpf_sim.planning.planner import create_planner
-from vpf_sim.planning.planner_interface import NO_FORCE
 from vpf_sim.planning.scene_planner import ScenePlanner
 from vpf_sim.planning.spacetime.motion import MotionPlan
 from vpf_sim.planning.variant import Variant
@@ -30,7 +29,7 @@ from vpf_sim.replay.present_lane import (
     road_in_vehicle_frame,
 )
 from vpf_sim.replay.records import Fault
-from vpf_sim.types import Perception, Plan, Reference, RoadEdges
+from vpf_sim.types import NO_FORCE, Perception, Plan, Reference, RoadEdges
 
 MODEL = "a model vehicle carries out the commands, from the recorded position and speed at the start of each segment"
 RECORDED = "evaluated at each recorded state"

@@ -4,24 +4,22 @@ The reference line is the middle of the lane in which the car started, so d = 0 
 that the car has come along it.
 """
 
-from dataclasses import dataclass
 from math import cos, hypot, sin, sqrt
 
 import numpy as np
 
 from vpf_sim.driver_interface import Observation
 from vpf_sim.geometry import rotation, vehicle_from_world
-from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.object_sizes import ObjectSizes
-from vpf_sim.perception.obstacles.crossing import Crossers
 from vpf_sim.perception.obstacles.point_motion import PointMotions
 from vpf_sim.perception.obstacles.prediction import none
+from vpf_sim.scene.evidence import NO_EVIDENCE, Evidence
 from vpf_sim.scene.measurements import of_crossers, of_obstacles, support
 from vpf_sim.scene.road import Road
 from vpf_sim.scene.scene import EgoState, Scene
 from vpf_sim.scene.scene_settings import SceneConfig
 from vpf_sim.scene.tracker import Detections, SceneTracker, TrackTable
-from vpf_sim.scene.tracks import Tracks
+from vpf_sim.scene.tracks import Tracks, probability
 from vpf_sim.scene.unseen import UnseenTraffic
 from vpf_sim.scene.vehicle_motion import seen_motion
 from vpf_sim.types import Bools, Camera, Floats, Obstacles, Perception, RoadEdges
@@ -37,19 +35,6 @@ NEWEST = 0.5  # of the mean relief
 NEARER_SIGMA = 0.15  # of the distance at which a vehicle stands, as a share of it
 FOLLOWED_M, FORGOTTEN_S = (3.0, 25.0), 1.0  # where, and how long after the last detection, points show a velocity
 CROSSING = 1.0  # across over along, from which a track shows its side
-
-
-@dataclass(frozen=True, slots=True)
-class Evidence:
-    """What a frame shows beside the obstacles that perception reports."""
-
-    crossers: Crossers | None = None  # actors that cross or come
-    points: Triangulation | None = None  # of its flow
-    motions: PointMotions | None = None  # of the same points
-    relief: Floats | None = None  # (K,) of the obstacles, by planar parallax; nan where it is not shown
-
-
-NO_EVIDENCE = Evidence()
 
 
 class CameraScene:
@@ -137,7 +122,7 @@ class CameraScene:
             ttc = np.where((forward > 0.0) & (closing > 0.0), forward / closing, np.inf)
         sigma = np.sqrt(table.covariance[:, 0, 0])
         identity = np.where(moves, -1 - table.identity, table.identity)
-        existence = 1.0 / (1.0 + np.exp(-table.gain))
+        existence = probability(table.gain)
         return Obstacles(forward, right - half, right + half, sigma, ttc, identity, speed, existence)
 
     def place(self, observation: Observation) -> tuple[float, float]:

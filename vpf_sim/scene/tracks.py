@@ -52,5 +52,10 @@ class Tracks:
     @property
     def probability(self) -> Floats:
         """(K,) of existence."""
-        odds: Floats = 1.0 / (1.0 + np.exp(-self.existence))
-        return odds
+        return probability(self.existence)
+
+
+def probability(log_odds: Floats) -> Floats:
+    """The probabilities that log-odds stand for."""
+    share: Floats = 1.0 / (1.0 + np.exp(-log_odds))
+    return share
