@@ -83,7 +83,6 @@ class Entry:
     driver: str
     run: StoredRun
     jobs: tuple[Job, ...]
-    size: Size | None  # None where it cannot be measured here
     verified: str
 
     @property
@@ -113,7 +112,7 @@ class Entry:
         return float(np.median(known)) if known else None
 
 
-def entries(path: Path, plan: Plan, sizes: bool = True) -> Iterator[Entry]:
+def entries(path: Path, plan: Plan) -> Iterator[Entry]:
     """The drivers of a run; InputError where one lacks a drive of the plan, or drove in other scenarios or weathers."""
     run = open_run(path)
     _check_inputs(run, plan)
@@ -123,7 +122,7 @@ def entries(path: Path, plan: Plan, sizes: bool = True) -> Iterator[Entry]:
         if missing:
             got = f"got {len(jobs) - len(missing)} of {driver}, without {missing[0]}"
             raise InputError(f"{path}: expected a record of each of the {len(jobs)} drives of the plan, {got}")
-        yield Entry(driver, run, jobs, _size(driver) if sizes else None, _verification(run))
+        yield Entry(driver, run, jobs, _verification(run))
 
 
 def latest(found: Iterable[Entry]) -> list[Entry]:
@@ -141,6 +140,7 @@ def _check_inputs(run: StoredRun, plan: Plan) -> None:
 
 
 def _size(driver: str) -> Size | None:
+    """None where it cannot be measured here."""
     try:
         drivers.create(driver)
     except InputError:
@@ -160,7 +160,7 @@ def _verification(run: StoredRun) -> str:
     return f"yes, {len(stored.driven)} of {stored.planned} driven again" if stored.ok else "**no, it differs**"
 
 
-def page(found: Sequence[Entry], plan: Plan) -> str:
+def page(found: Sequence[Entry], plan: Plan, sizes: bool = True) -> str:
     """The page of some entries."""
     ranked = sorted(found, key=lambda entry: (-entry.scores.mean(), entry.driver))
     counts = {"scenarios": len(plan.scenario), "drives": len(plan.jobs()), "seeds": plan.seeds}
@@ -171,7 +171,7 @@ def page(found: Sequence[Entry], plan: Plan) -> str:
     parts += [*_weathers(ranked, plan.weather).markdown()]
     parts += ["\n## Cost\nLines, settings and weights as [comparison.md](comparison.md) counts them."]
     parts += ["The time was measured on the run's machine, which may have been busy; it is not verified.\n"]
-    return "\n".join([*parts, *_costs(ranked).markdown()]) + "\n" + HOW_TO_ENTER
+    return "\n".join([*parts, *_costs(ranked, sizes).markdown()]) + "\n" + HOW_TO_ENTER
 
 
 def _ranks(ranked: Sequence[Entry]) -> Table:
@@ -240,10 +240,10 @@ def _weathers(ranked: Sequence[Entry], weathers: Sequence[str]) -> Table:
     return Table(("driver", *weathers, *(f"{weather} − {base}" for weather in others)), tuple(rows))
 
 
-def _costs(ranked: Sequence[Entry]) -> Table:
+def _costs(ranked: Sequence[Entry], sizes: bool) -> Table:
     rows = []
     for entry in ranked:
-        size = entry.size
+        size = _size(entry.driver) if sizes else None
         counts = (
             (NONE,) * 3
             if size is None
@@ -262,8 +262,8 @@ def main() -> None:
     options = parser.parse_args()
     try:
         plan = make_plan({"driver": ["-"], **read_plan(str(options.plan))}, str(options.plan))
-        found = [one for path in options.runs for one in entries(path, plan, not options.no_sizes)]
-        write_text(options.out, page(latest(found), plan))
+        found = [one for path in options.runs for one in entries(path, plan)]
+        write_text(options.out, page(latest(found), plan, not options.no_sizes))
     except (InputError, OSError) as error:
         sys.exit(f"leaderboard.py: {error}")
 

@@ -97,6 +97,19 @@ def test_of_a_driver_that_is_entered_twice_the_later_run_counts(tmp_path: Path) 
         assert row[3].startswith(score), row
 
 
+def test_a_run_that_was_begun_earlier_does_not_come_back(tmp_path: Path) -> None:
+    """Whatever the order in which the folders are named."""
+    failure = {"status": "stuck", "driving_score_2_1": 0.5}
+    failed = dict.fromkeys(Plan(SCENARIOS, WEATHERS, ("vpf",), "7:9").jobs(), failure)
+    old, new = enter(tmp_path / "old", "vpf", failed), enter(tmp_path / "new", "vpf", {})
+    for run, begun in ((old, "2026-01-01T00:00:00+00:00"), (new, "2026-02-01T00:00:00+00:00")):
+        file = run / "manifest.json"
+        file.write_text(json.dumps(json.loads(file.read_text()) | {"begun": begun}))
+    for runs in ((old, new), (new, old)):
+        (row,) = rows_of(tmp_path, *runs)
+        assert row[3].startswith("1.00"), row
+
+
 @pytest.mark.parametrize(
     ("said", "shown"), [(True, "yes, 1 of 8 driven again"), (False, "**no, it differs**"), (None, "no")]
 )
