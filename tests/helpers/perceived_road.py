@@ -33,7 +33,7 @@ class Stands:
 
 
 @dataclass(frozen=True)
-class Told:
+class Report:
     """One report in the ego's axes."""
 
     forward_m: float
@@ -48,7 +48,7 @@ class Told:
 class Seen:
     """What is made up for one frame: errors of edges, lane and focus of expansion, and reports."""
 
-    detections: Sequence[Told] = ()
+    detections: Sequence[Report] = ()
     left_m: float = 0.0  # error to the right
     right_m: float = 0.0
     lane_m: float = 0.0
@@ -56,11 +56,11 @@ class Seen:
     road: float = 1.0  # confidence of edges and lane
 
 
-def truth(obj: Stands, x_m: float, seconds: float, identity: int) -> Told:
+def truth(obj: Stands, x_m: float, seconds: float, identity: int) -> Report:
     """A report without any error, for an ego at `x_m` on its lane."""
     size, aside = SIZES[obj.kind], obj.y_m - LANE_M
     ahead = obj.x_m + obj.speed_mps * seconds - x_m - 0.5 * size.length_m
-    return Told(ahead, aside - 0.5 * size.width_m, aside + 0.5 * size.width_m, obj.speed_mps, identity)
+    return Report(ahead, aside - 0.5 * size.width_m, aside + 0.5 * size.width_m, obj.speed_mps, identity)
 
 
 def perfect(objects: Sequence[Stands], sight_m: float = 60.0) -> Callable[[float, float], Seen]:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from perceived_road import LANE_M, RATE_HZ, SPEED_MPS, Seen, Stands, Told, drive, perfect, truth
+from perceived_road import LANE_M, RATE_HZ, SPEED_MPS, Report, Seen, Stands, drive, perfect, truth
 
 from vpf_sim.cli.perception import print_differences, print_totals
 from vpf_sim.errors import InputError
@@ -38,8 +38,8 @@ def test_known_errors_are_measured() -> None:
             replace(one, forward_m=one.forward_m + 0.3, left_m=one.left_m - 0.2, right_m=one.right_m - 0.1)
             for one in perfect(BODIES)(x_m, seconds).detections
         ]
-        told = [replace(one, speed_mps=one.speed_mps - 0.5) if one.speed_mps else one for one in wrong]
-        return Seen(told, left_m=0.05, right_m=-0.05, lane_m=0.02, foe_px=(3.0, -4.0))
+        reported = [replace(one, speed_mps=one.speed_mps - 0.5) if one.speed_mps else one for one in wrong]
+        return Seen(reported, left_m=0.05, right_m=-0.05, lane_m=0.02, foe_px=(3.0, -4.0))
 
     found = scores.metrics([drive(BODIES, see)])
     assert (found["recall"], found["precision"]) == (1.0, 1.0)
@@ -68,8 +68,8 @@ def test_a_phantom_counts_once_as_false_positive_and_in_every_frame_for_precisio
 
     def see(_: float, seconds: float) -> Seen:
         row = round(seconds * RATE_HZ)
-        told = [Told(2.25 + m, -1.0, 1.0, identity=name) for name, (m, rows) in phantoms.items() if row in rows]
-        return Seen(told)
+        reported = [Report(2.25 + m, -1.0, 1.0, identity=name) for name, (m, rows) in phantoms.items() if row in rows]
+        return Seen(reported)
 
     found = scores.table([drive((), see)])
     (total,) = found["totals"]
@@ -83,7 +83,7 @@ def test_precision_is_the_share_of_correct_detections_averaged_over_drives() -> 
     car = (Stands("car", 90.0),)
 
     def half(x_m: float, seconds: float) -> Seen:
-        return Seen([truth(car[0], x_m, seconds, 1), Told(10.0, -1.0, 1.0, identity=2)])
+        return Seen([truth(car[0], x_m, seconds, 1), Report(10.0, -1.0, 1.0, identity=2)])
 
     drives = [drive(car, half, length_m=50.0), drive(car, perfect(car, 200.0), length_m=50.0, seed=1)]
     assert [scores.metrics([one])["precision"] for one in drives] == [0.5, 1.0]
@@ -111,7 +111,7 @@ def test_calibration_compares_the_stated_probability_with_the_share_that_exists(
     def see(x_m: float, seconds: float, phantom: float) -> Seen:
         there = [replace(truth(car, x_m, seconds, 1), existence=0.95)]
         if round(seconds * RATE_HZ) % 2:
-            there.append(Told(10.0, -1.0, 1.0, identity=2, existence=phantom))
+            there.append(Report(10.0, -1.0, 1.0, identity=2, existence=phantom))
         return Seen(there)
 
     frames = round(50.0 / SPEED_MPS * RATE_HZ)
@@ -153,7 +153,7 @@ def test_a_row_detected_as_one_has_the_sides_of_the_row() -> None:
     row = tuple(Stands("pedestrian", 50.0 + 0.2 * k, LANE_M + k - 1.0) for k in range(3))
 
     def see(x_m: float, _: float) -> Seen:
-        return Seen([Told(50.0 - 0.2 - x_m, -1.25, 1.25)] if x_m < 47.0 else [])
+        return Seen([Report(50.0 - 0.2 - x_m, -1.25, 1.25)] if x_m < 47.0 else [])
 
     found = scores.metrics([drive(row, see)])
     assert (found["bodies_met"], found["recall"]) == (3, 1.0)
@@ -200,8 +200,8 @@ def test_the_true_extent_of_an_object_is_its_end_towards_the_ego(turned_rad: flo
 
 def test_the_tables_fit_a_page(capsys: pytest.CaptureFixture[str]) -> None:
     def see(x_m: float, seconds: float) -> Seen:
-        told = perfect(BODIES)(x_m, seconds).detections
-        return Seen([replace(one, forward_m=one.forward_m + 0.1 * seconds) for one in told], lane_m=0.01 * seconds)
+        reported = perfect(BODIES)(x_m, seconds).detections
+        return Seen([replace(one, forward_m=one.forward_m + 0.1 * seconds) for one in reported], lane_m=0.01 * seconds)
 
     drives = [
         drive(BODIES, see, weather=weather, seed=seed, driver=driver)
@@ -236,23 +236,23 @@ def test_two_drivers_are_compared_on_the_same_drives_and_objects() -> None:
         drive(bodies, off(0.4 - 0.1 * (k + 1), 60.0), seed=k, weather=w, driver="new")
         for k, w in ((0, "clear"), (1, "rain"))
     ]
-    found = {told["weather"]: told for told in comparison.between_drivers(records(*old, *new))}
+    found = {row["weather"]: row for row in comparison.between_drivers(records(*old, *new))}
     assert set(found) == {"clear", "rain", "all"}
-    told = found["all"]
-    assert (told["driver"], told["minus"], told["drives"]) == ("new", "old", 2)
-    assert told["distance_error_m"]["difference"] == pytest.approx(-0.15)
-    assert (told["recall"]["difference"], told["recall"]["pairs"]) == (0.5, 4), "the car alone is known late"
-    assert told["precision"]["difference"] == 0.0
-    assert told["speed_error_mps"] is None
+    row = found["all"]
+    assert (row["driver"], row["minus"], row["drives"]) == ("new", "old", 2)
+    assert row["distance_error_m"]["difference"] == pytest.approx(-0.15)
+    assert (row["recall"]["difference"], row["recall"]["pairs"]) == (0.5, 4), "the car alone is known late"
+    assert row["precision"]["difference"] == 0.0
+    assert row["speed_error_mps"] is None
     assert found["rain"]["distance_error_m"]["difference"] == pytest.approx(-0.2)
 
 
 def test_an_earlier_table_is_compared_where_the_poses_are_the_same() -> None:
     now = records(drive((), lambda *_: Seen(lane_m=0.1)), drive((), lambda *_: Seen(lane_m=0.1), seed=1))
     before = records(drive((), lambda *_: Seen(lane_m=0.3)), drive((), lambda *_: Seen(lane_m=0.3), seed=2))
-    (told,) = comparison.between_versions(now, before, "old.json")
-    assert (told["drives"], told["minus"]) == (1, "made-up in old.json")
-    assert told["lane_error_m"]["difference"] == pytest.approx(-0.2)
+    (row,) = comparison.between_versions(now, before, "old.json")
+    assert (row["drives"], row["minus"]) == (1, "made-up in old.json")
+    assert row["lane_error_m"]["difference"] == pytest.approx(-0.2)
     elsewhere = [one.model_copy(update={"states_sha256": "other"}) for one in before]
     with pytest.raises(InputError, match=r"old\.json: expected a drive with the same poses, got none of 2"):
         comparison.between_versions(now, elsewhere, "old.json")
