@@ -40,6 +40,25 @@ def test_a_standing_car_that_seems_to_come_is_nearer() -> None:
     assert 14.0 * result.nearer == pytest.approx(10.0, rel=0.1)
 
 
+@pytest.mark.parametrize("forward_m", [6.0, 9.0])
+def test_what_stands_far_behind_a_pallet_does_not_make_it_drive_off(forward_m: float) -> None:
+    pallet, beyond = body(forward_m + 0.3, 0.4, 0.8, 0.15, 0.2, 4), body(4.0 * forward_m, 1.6, 3.2, 0.3, 1.9, 40)
+    places = np.concatenate([pallet, road(), beyond])
+    shown = motions(flow(places, np.zeros((len(places), 2))))
+    result = seen_motion(forward_m, 0.4, 0.8, 0.3, np.zeros(2), SPEED_MPS, shown, CAMERA)
+    assert result is None or (np.abs(result.velocity_mps) < 3.0 * result.sigma_mps).all()
+
+
+def test_a_car_that_stood_has_its_speed_when_it_drives_off() -> None:
+    rear, ground = body(8.3, 0.4, WIDTH_M, 0.2, 1.4), road()
+    places, moves = np.concatenate([rear, ground]), np.zeros((len(rear) + len(ground), 2))
+    moves[: len(rear)] = (3.0, 0.0)
+    shown = motions(flow(places, moves))
+    result = seen_motion(8.0, 0.4, WIDTH_M, 0.3, np.zeros(2), SPEED_MPS, shown, CAMERA)
+    assert result is not None
+    np.testing.assert_array_less(np.abs(result.velocity_mps - (3.0, 0.0)), 2.0 * result.sigma_mps)
+
+
 def test_a_place_without_points_of_its_own_tells_nothing() -> None:
     ground = road()
     empty = motions(flow(ground, np.zeros((len(ground), 2))))

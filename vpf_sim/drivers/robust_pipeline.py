@@ -118,12 +118,13 @@ class ObstacleStages:
     def find_crossers(
         self, steady: Flow, on_moving: Bools | None, observation: Observation
     ) -> tuple[PointMotions | None, Crossers, Bools | None]:
-        """Motions of the points, actors that cross, and (N,) points on what moves; none beneath the wiper."""
+        """Motions of points outside, actors that cross, and (N,) points on what moves; none beneath the wiper."""
         if self._crossing is None or self._trackers.flow.is_swept:
             return None, nobody(), on_moving
         motions = self._point_motions(steady)
         crossers, near = self._crossing.find(steady, motions, observation.speed_mps)
-        return motions, crossers, near if on_moving is None else near | on_moving
+        outside = motions.chosen(~steady.on_glass)
+        return outside, crossers, near if on_moving is None else near | on_moving
 
     def refine(self, flow: Flow, steady: Flow, points: Triangulation, road: RoadEdges) -> Triangulation:
         """The points, those above the road matched again with the frame of their first observation."""

@@ -2,7 +2,8 @@
 
 With the place of a vehicle known, the motion of its points gives its velocity at once, whether it drives, brakes or
 stands: no detection with a memory of its own follows a car that brakes hard. A point that shows the road behind does
-not count.
+not count. Above what stands, which may be low, other things are seen that stand farther away, and seem to drive off:
+such a thing, at twice the distance or more, is above half the camera's height there.
 
 The motion fixes the time to contact. A vehicle that drove our way and now seems to come is nearer than it was believed
 to be, and stands: cars ahead do not reverse.
@@ -17,6 +18,7 @@ from vpf_sim.types import Bools, Camera, Floats
 
 BESIDE_M, FACE_M = 0.1, 0.3  # points at least so far inside the sides; mean depth of a rear beyond its face
 HEIGHTS_M = (0.15, 1.5)  # of points on it
+STANDS_MPS, HIGHEST_SHARE = 0.4, 0.5  # a slower body stands; of the camera's height, below which its points are
 ROAD_CHI2 = 9.0  # of a point as one of the road
 PASSES, CHI2_MEMBER = 6, 25.0
 LEAST_POINTS, LEAST_SHARE = 5, 0.5  # that agree
@@ -47,7 +49,9 @@ def seen_motion(
     `sigma_m` is the standard deviation of its distance.
     """
     depth = forward_m - camera.forward_m + FACE_M
-    rows = np.flatnonzero(_on_face(points, depth, right_m, 0.5 * width_m, camera))
+    stands = float(np.hypot(*expected_mps)) < STANDS_MPS
+    highest_m = HIGHEST_SHARE * camera.height_m if stands else HEIGHTS_M[1]
+    rows = np.flatnonzero(_on_face(points, depth, right_m, 0.5 * width_m, highest_m, camera))
     if len(rows) < LEAST_POINTS:
         return None
     mine = points.chosen(rows)
@@ -64,10 +68,12 @@ def seen_motion(
     return Seen(found, sigma_mps, 1.0)
 
 
-def _on_face(points: PointMotions, depth_m: float, right_m: float, half_m: float, camera: Camera) -> Bools:
+def _on_face(
+    points: PointMotions, depth_m: float, right_m: float, half_m: float, highest_m: float, camera: Camera
+) -> Bools:
     """(N,) points within the outline that the road behind it does not explain."""
     height = camera.height_m - points.drop * depth_m
     on: Bools = np.abs(points.bearing * depth_m - right_m) < half_m - BESIDE_M
-    on &= (height > HEIGHTS_M[0]) & (height < HEIGHTS_M[1])
+    on &= (height > HEIGHTS_M[0]) & (height < highest_m)
     inverse = np.maximum(points.drop, 0.0) / camera.height_m
     return on & (points.chi2(points.by_depth * inverse[:, None] - points.far) > ROAD_CHI2)

@@ -50,6 +50,22 @@ def test_points_move_as_the_picture_does(config: FlowConfig, step: tuple[float, 
     assert np.percentile(error, 95) < 0.3
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_stripes_are_followed_through_a_turn_of_more_than_half_their_distance(side: float) -> None:
+    period_px, step_px = 14, 10.0 * side
+    row, column = np.mgrid[:700, :900]
+    stripes = np.where((column + row // 2) % period_px < period_px // 2, 220, 40)
+    picture = np.where(np.abs(row - 340) < 30, stripes, 120).astype(np.uint8)
+    tracker = FlowTracker(CAMERA, ROBUST, 20.0)
+    for k in range(3):
+        yaw_rad = -step_px * k / CAMERA.fx_px  # of a camera that sees the picture far away
+        flow = tracker.update(moved(picture, step_px * k, 0.0), np.array([0.0, 0.0, yaw_rad]))
+    middle = np.abs(flow.points_px[:, 0] - CAMERA.cx_px) < 150.0
+    assert np.count_nonzero(middle) > 30
+    error = np.abs(flow.displacement_px[middle, 0] / (flow.gap_s[middle] * 20.0) - step_px)
+    assert np.mean(error < 1.0) > 0.9
+
+
 def test_the_window_is_in_seconds_and_shorter_for_young_points() -> None:
     for rate_hz, frames in ((60.0, 6), (20.0, 2), (10.0, 1)):
         flow = follow(FlowTracker(CAMERA, replace(PAPER, window_s=0.1), rate_hz), texture("window"), (0.5, 0.0), 9)[-1]

@@ -84,6 +84,7 @@ class FlowConfig:
     forward_backward_px: float | None = setting(
         "Largest distance of a point after tracking it back.", default=None, gt=0.0
     )
+    from_road: bool = setting("Begins the search where a point of the road would be now.", default=False)
     keyframe_s: float | None = setting("Age at which a first observation is renewed.", default=None, gt=0.0)
     bands: tuple[Band, ...] | None = setting(
         "Bands of the image that share the points; none: one band.", default=None, min_length=1

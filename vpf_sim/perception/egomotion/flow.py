@@ -109,7 +109,7 @@ class FlowTracker:
         return slice(int(top), int(bottom))
 
     def _lucas_kanade(
-        self, before: Image, after: Image, points_px: Floats, guess_px: Floats | None = None
+        self, before: Image, after: Image, points_px: Floats, guess_px: Floats
     ) -> tuple[Floats, Bools, Singles]:
         """(N, 2) where points are in `after`, (N,) whether they were found, (N,) grey difference of the windows."""
         config = self.config
@@ -119,11 +119,11 @@ class FlowTracker:
             before[rows],
             after[rows],
             points,
-            np.empty_like(points) if guess_px is None else (guess_px - offset).astype(np.float32),
+            (guess_px - offset).astype(np.float32),
             winSize=(config.window_px, config.window_px),
             maxLevel=self.levels,
             criteria=(cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, ITERATIONS, config.epsilon_px),
-            flags=0 if guess_px is None else cv2.OPTFLOW_USE_INITIAL_FLOW,
+            flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
         )
         return moved + offset, status.ravel() == 1, error.ravel().astype(np.float32, copy=False)
 
@@ -143,19 +143,29 @@ class FlowTracker:
     def _tracked(self, before: Image, after: Image) -> tuple[Floats, Bools, Bools, Singles]:
         """As `_lucas_kanade`, and before the last (N,) whether points also return, which is checked once a period.
 
+        The search begins where a point of the road would be now: of stripes, which look alike, the nearest is found.
         Covered points are not tracked: `_hold` searches for them.
         """
         points, seen = self._tracks.trail[0], np.flatnonzero(self._tracks.occluded == 0)
+        shift = self._expected(points[seen])
         now, (found, good) = points.copy(), np.zeros((2, len(points)), np.bool_)
         error = np.zeros(len(points), np.float32)
         if len(seen):
-            now[seen], found[seen], error[seen] = self._lucas_kanade(before, after, points[seen])
+            now[seen], found[seen], error[seen] = self._lucas_kanade(before, after, points[seen], points[seen] + shift)
         good[:] = found
         limit_px = self.config.forward_backward_px
         if len(seen) and limit_px is not None and self._frame % self._period_frames == 1 % self._period_frames:
-            back, returned, _ = self._lucas_kanade(after, before, now[seen])
+            back, returned, _ = self._lucas_kanade(after, before, now[seen], now[seen] - shift)
             good[seen] &= returned & (np.hypot(*(back - points[seen]).T) < limit_px)
         return now, found, good, error
+
+    def _expected(self, points_px: Floats) -> Floats:
+        """(N, 2) px that points (N, 2) of the last frame have moved since if they are on the road, or far away."""
+        if not self.config.from_road:
+            return np.zeros_like(points_px)
+        now, last = self._poses[:1], self._poses[1]
+        most = self.config.reach_px_per_s / self.rate_hz
+        return np.clip(-ground_flow(self.camera, undistort(self.camera, points_px), now, last), -most, most)
 
     def _hold(
         self, frames: tuple[Image, Image], now_px: Floats, found: Bools, good: Bools, error: Singles, wiper: WiperConfig

@@ -9,7 +9,7 @@ from vpf_sim.perception.egomotion.egomotion_settings import NoiseModel
 from vpf_sim.perception.egomotion.ground_plane import relative_pose
 from vpf_sim.perception.egomotion.triangulation import information
 from vpf_sim.perception.obstacles.moving.moving_frame import rays
-from vpf_sim.types import Camera, Floats, Flow, Integers
+from vpf_sim.types import Bools, Camera, Floats, Flow, Integers
 
 NEAREST_PER_M = 0.5
 CHI2_SCALE = 9.0  # of a point that counts half
@@ -39,8 +39,8 @@ class PointMotions:
     far: Floats  # (N, 2)
     weight: Floats  # (N, 2, 2)
 
-    def chosen(self, rows: Integers) -> "PointMotions":
-        """Some of the points, by their rows."""
+    def chosen(self, rows: Integers | Bools) -> "PointMotions":
+        """Some of the points."""
         return PointMotions(*(getattr(self, name)[rows] for name in self.__slots__))
 
     def chi2(self, residual: Floats) -> Floats:
