@@ -205,6 +205,17 @@ def test_what_stands_keeps_its_length_when_a_part_of_it_is_left_in_view() -> Non
     assert tracker.table.length_m.tolist() == [9.0]
 
 
+def test_what_is_passed_keeps_its_size() -> None:
+    """A car at 12 m: its place is still reported while the vehicle passes it, and is then no longer seen."""
+    random, tracker = np.random.Generator(np.random.PCG64(3)), SceneTracker(CONFIG)
+    for ego_m, length_m, width_m in ((0.0, 5.5, 2.0), (5.0, 5.5, 2.1), (10.0, 9.0, 2.4), (14.0, 9.0, 2.6)):
+        seen = detected([Motion(12.0).at(0.0)], random)
+        seen.state[:], seen.length_m[:], seen.width_m[:] = Motion(12.0).at(0.0), length_m, width_m
+        tracker.update(seen, 1.0, np.zeros(len(tracker.table)), ego_m)
+    assert tracker.table.length_m.tolist() == [5.5]
+    assert tracker.table.width_m.tolist() == [2.1]
+
+
 def test_traffic_is_what_drives_along_the_road_in_our_direction() -> None:
     driving = track(Motion(10.0, along_mps=6.0), Motion(20.0, 4.0, across_mps=-1.5), Motion(60.0, -3.5, along_mps=-8.0))
     np.testing.assert_allclose([*driving.traffic_mps.values()], [6.0], atol=0.6)

@@ -28,6 +28,7 @@ CROSSES_MPS = 0.6  # across, and more than along
 DRIVES_MPS, ALONG_SHARE, VEHICLE_M = 1.5, 0.3, (3.0, 1.2)  # of traffic: speed, share of it across, size
 LEFT_M, MOVED_LOSS_PER_S = 3.0, 2.0  # what stands so near to where it is now is what it was
 VAGUE_M = 5.0  # or whose place is known no better
+IN_VIEW_M = 3.0  # ahead, from which a face's size is seen; what is passed keeps the size that it had
 
 
 @dataclass(slots=True)
@@ -121,7 +122,7 @@ class SceneTracker:
         undetected[track] = False
         table.gain[undetected] -= (in_sight_s * table.loss_per_s)[undetected]
         if len(track):
-            self._correct(track, found.chosen(detection), fresh[detection])
+            self._correct(track, found.chosen(detection), fresh[detection], ego_s_m)
         new = np.ones(len(found), np.bool_)
         new[detection] = False
         if new.any():
@@ -169,7 +170,7 @@ class SceneTracker:
         kept = possible[track, detection]
         return track[kept], detection[kept]
 
-    def _correct(self, rows: Integers, found: Detections, fresh: Floats) -> None:
+    def _correct(self, rows: Integers, found: Detections, fresh: Floats, ego_s_m: float) -> None:
         """Kalman update of some tracks by a detection each."""
         table = self.table
         before = table.covariance[rows]
@@ -177,10 +178,12 @@ class SceneTracker:
         change = np.einsum("nij,nj->ni", gain, found.state - table.state[rows])
         table.state[rows] += change
         table.covariance[rows] = (np.eye(4) - gain) @ before
-        for name in ("width_m", "loss_per_s"):
-            getattr(table, name)[rows] = getattr(found, name)
+        table.loss_per_s[rows] = found.loss_per_s
         # what stands was seen best from afar: from the side, only a part of its face is visible
-        table.length_m[rows] = np.where(found.stands, np.maximum(table.length_m[rows], found.length_m), found.length_m)
+        length = np.where(found.stands, np.maximum(table.length_m[rows], found.length_m), found.length_m)
+        seen = found.state[:, 0] > ego_s_m + IN_VIEW_M
+        table.length_m[rows] = np.where(seen, length, table.length_m[rows])
+        table.width_m[rows] = np.where(seen, found.width_m, table.width_m[rows])
         most = np.where(found.stands, self._config.most_standing, self._config.most)
         table.gain[rows] = np.minimum(table.gain[rows] + fresh * found.gain, most)
         table.unseen_s[rows] = 0.0
