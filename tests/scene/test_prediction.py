@@ -69,6 +69,16 @@ def test_the_uncertainty_grows_with_that_of_the_speed() -> None:
     np.testing.assert_allclose(seen.across_sigma_m[0], 0.1)
 
 
+def test_who_drives_along_the_road_keeps_its_lane_and_who_crosses_may_go_anywhere() -> None:
+    straight = road()
+    along = tracks(straight, (80.0, LANE_M, 0.0, 5.0, 4.5, 1.9))
+    crosses = tracks(straight, (80.0, LANE_M, 0.5 * np.pi, 5.0, 4.5, 1.9))
+    for made in (along, crosses):
+        made.covariance[0] = np.diag([1.0, 1.0, 1.0, 1.0])
+    assert predict(straight, along, TIMES_S).across_sigma_m.max() < 0.25 * LANE_M
+    assert predict(straight, crosses, TIMES_S).across_sigma_m.max() > LANE_M
+
+
 def test_a_car_in_a_known_lane_follows_it_and_comes_to_its_middle() -> None:
     """A quarter of a circle of 20 m beside the road, entered 1 m right of the lane's middle."""
     angle = np.linspace(0.0, np.pi / 2.0, 91)
