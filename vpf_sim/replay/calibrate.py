@@ -113,7 +113,7 @@ def _observations(
 ) -> Iterator[_Observation]:
     """Each frame with flow, without points that move with the camera."""
     rate_hz = 1.0 / float(np.median(np.diff(times_s)))
-    config = variant.load(VARIANT).flow
+    config = replace(variant.load(VARIANT).flow, from_road=False)  # the motion is not known yet
     tracker, last = FlowTracker(camera, config, rate_hz), -1
     recorded = np.full(len(times_s), np.nan) if speed_mps is None else speed_mps
     speed = (

@@ -50,7 +50,8 @@ class FlowDerotation:
         rotation = replace(fit.rotation, yaw_sd_radps=fit.rotation.tilt_sd_radps)
         self._camera = camera
         self._config = replace(variant.focus_of_expansion, fit=replace(fit, rotation=rotation))
-        self._tracker = FlowTracker(camera, variant.flow, rate_hz)
+        flow = replace(variant.flow, from_road=False)  # the motion is not known yet
+        self._tracker = FlowTracker(camera, flow, rate_hz)
         self._random = stream(0, "focus of expansion without rotation")
         self._mounting = Mounting(height_m=camera.height_m, pitch_rad=camera.pitch_rad)
         self._fixed = fixed
