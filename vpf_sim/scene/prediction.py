@@ -3,7 +3,7 @@ growing uncertainty.
 
 A vehicle whose lane is known is expected to follow it, and to come to its middle. Another that drives along the road
 and moves to the side is expected to stay in the lane that it comes to. Both keep their lanes also where no camera sees
-them, so their uncertainty across stays bounded. What crosses the road, or is beside it as in a
+them, so along the road their uncertainty across stays bounded. What crosses the road, or is beside it as in a
 junction, keeps its speed and turn rate (CTRV: Schubert, Richter, Wanielik, Fusion 2008).
 """
 

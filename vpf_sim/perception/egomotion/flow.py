@@ -143,11 +143,12 @@ class FlowTracker:
     def _tracked(self, before: Image, after: Image) -> tuple[Floats, Bools, Bools, Singles]:
         """As `_lucas_kanade`, and before the last (N,) whether points also return, which is checked once a period.
 
-        The search begins where a point of the road would be now: of stripes, which look alike, the nearest is found.
+        With `from_road` the search begins where a point of the road would be now: of stripes, which look alike, the
+        nearest is found.
         Covered points are not tracked: `_hold` searches for them.
         """
         points, seen = self._tracks.trail[0], np.flatnonzero(self._tracks.occluded == 0)
-        shift = self._expected(points[seen])
+        shift = np.where(self._tracks.on_glass[seen, None], 0.0, self._expected(points[seen]))
         now, (found, good) = points.copy(), np.zeros((2, len(points)), np.bool_)
         error = np.zeros(len(points), np.float32)
         if len(seen):
