@@ -21,7 +21,7 @@ from vpf_sim.scene.scene_settings import SceneConfig
 from vpf_sim.scene.tracker import Detections, SceneTracker, TrackTable
 from vpf_sim.scene.tracks import Tracks, probability
 from vpf_sim.scene.unseen import UnseenTraffic
-from vpf_sim.scene.vehicle_motion import STANDS_MPS, seen_motion
+from vpf_sim.scene.vehicle_motion import STANDING_MPS, seen_motion
 from vpf_sim.types import Bools, Camera, Floats, Obstacles, Perception, RoadEdges
 
 STEP_M = 0.5  # between the stations of the tables
@@ -113,7 +113,7 @@ class CameraScene:
         if self.road is None or self._last is None or not len(table):
             return none()
         s, d, along, across = table.state.T
-        moves, since_s = np.hypot(along, across) > STANDS_MPS, observation.time_s - self._last.time_s
+        moves, since_s = np.hypot(along, across) > STANDING_MPS, observation.time_s - self._last.time_s
         x, y, _ = self.road.world(s + along * since_s, d + across * since_s)
         forward, right = vehicle_from_world(np.column_stack([x, y]), observation.pose).T
         speed, half = np.where(moves, along, 0.0), 0.5 * table.width_m
@@ -158,7 +158,7 @@ class CameraScene:
             if found is None:
                 continue
             velocity = found.velocity_mps @ road_axes
-            if hypot(*table.state[row, 2:]) < STANDS_MPS:
+            if hypot(*table.state[row, 2:]) < STANDING_MPS:
                 self._tracker.see_motion(row, velocity, found.sigma_mps, observation.speed_mps)
                 continue
             self._tracker.correct_velocity(row, velocity, found.sigma_mps)
@@ -214,7 +214,7 @@ def tracks_of(table: TrackTable, road: Road) -> Tracks:
     s, d, along, across = table.state.T
     sigma = np.sqrt(np.diagonal(table.covariance, axis1=1, axis2=2))
     speed = np.hypot(along, across)
-    moving = (speed > STANDS_MPS) & (speed > STANDING_SIGMAS * np.hypot(sigma[:, 2], sigma[:, 3]))
+    moving = (speed > STANDING_MPS) & (speed > STANDING_SIGMAS * np.hypot(sigma[:, 2], sigma[:, 3]))
     crosses = moving & (np.abs(across) > CROSSING * np.abs(along))
     depth = np.where(crosses, np.minimum(table.length_m, table.width_m), table.length_m)
     x, y, direction = road.world(s + 0.5 * depth, d)

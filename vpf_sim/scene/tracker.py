@@ -182,8 +182,7 @@ class SceneTracker:
         # what stands was seen best from afar: from the side, only a part of its face is visible
         length = np.where(found.stands, np.maximum(table.length_m[rows], found.length_m), found.length_m)
         seen = found.state[:, 0] > ego_s_m + IN_VIEW_M
-        table.length_m[rows] = np.where(seen, length, table.length_m[rows])
-        table.width_m[rows] = np.where(seen, found.width_m, table.width_m[rows])
+        table.length_m[rows[seen]], table.width_m[rows[seen]] = length[seen], found.width_m[seen]
         most = np.where(found.stands, self._config.most_standing, self._config.most)
         table.gain[rows] = np.minimum(table.gain[rows] + fresh * found.gain, most)
         table.unseen_s[rows] = 0.0

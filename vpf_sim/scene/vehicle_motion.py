@@ -18,7 +18,7 @@ from vpf_sim.types import Bools, Camera, Floats
 
 BESIDE_M, FACE_M = 0.1, 0.3  # points at least so far inside the sides; mean depth of a rear beyond its face
 HEIGHTS_M = (0.15, 1.5)  # of points on it
-STANDS_MPS, HIGHEST_SHARE = 0.4, 0.5  # a slower body stands; of the camera's height, below which its points are
+STANDING_MPS, HIGHEST_SHARE = 0.4, 0.5  # a slower body stands; of the camera's height, below which its points are
 ROAD_CHI2 = 9.0  # of a point as one of the road
 PASSES, CHI2_MEMBER = 6, 25.0
 LEAST_POINTS, LEAST_SHARE = 5, 0.5  # that agree
@@ -49,7 +49,7 @@ def seen_motion(
     `sigma_m` is the standard deviation of its distance.
     """
     depth = forward_m - camera.forward_m + FACE_M
-    stands = float(np.hypot(*expected_mps)) < STANDS_MPS
+    stands = float(np.hypot(*expected_mps)) < STANDING_MPS
     highest_m = HIGHEST_SHARE * camera.height_m if stands else HEIGHTS_M[1]
     rows = np.flatnonzero(_on_face(points, depth, right_m, 0.5 * width_m, highest_m, camera))
     if len(rows) < LEAST_POINTS:
