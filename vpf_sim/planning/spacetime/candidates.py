@@ -20,7 +20,7 @@ NARROW_M = 0.3  # a road that leaves less room for the car's middle is driven in
 
 @dataclass(frozen=True, slots=True)
 class PathState:
-    """Where a candidate begins: s, d and its derivatives by s; speed and acceleration along the road."""
+    """Where a candidate begins: s and d of the rear axle, derivatives by s, speed and acceleration along the road."""
 
     s_m: float
     d_m: float

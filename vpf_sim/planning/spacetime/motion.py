@@ -6,8 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from vpf_sim.planning.spacetime.candidates import Paths, PathState, Profiles
+from vpf_sim.planning.spacetime.motions import motions
 from vpf_sim.scene.road import Road
-from vpf_sim.types import Floats, PlanDetails, Reals
+from vpf_sim.types import Floats, PlanDetails, Reals, VehicleModel
 
 
 class Rejected(NamedTuple):
@@ -26,7 +27,7 @@ class Rejected(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """A motion along the road."""
+    """A motion of the car's rear axle along the road."""
 
     time_s: float  # at which it begins
     start: PathState
@@ -62,6 +63,7 @@ class MotionPlan(PlanDetails):
 
     motion: Motion
     road: Road
+    vehicle: VehicleModel
     pose: Floats  # (3,) x m, y m, yaw rad of the car now
 
     @property
@@ -71,7 +73,8 @@ class MotionPlan(PlanDetails):
 
     def points_m(self) -> Floats:
         """(T, 2) places of the car's middle in vehicle axes, at the motion's times."""
-        s = self.motion.start.s_m + self.motion.profile.travelled_m[0]
-        x, y, _ = self.road.world(s, np.asarray(self.motion.path.at(s)[0], float))
+        one = self.motion
+        driven = motions(self.road, one.start, one.path, one.profile, self.vehicle)
+        x, y = driven.origin_m[0] + driven.x_m[0, 0], driven.origin_m[1] + driven.y_m[0, 0]
         x, y, yaw = x - self.pose[0], y - self.pose[1], self.pose[2]
         return np.stack([np.cos(yaw) * x + np.sin(yaw) * y, np.cos(yaw) * y - np.sin(yaw) * x], axis=-1)

@@ -1,16 +1,22 @@
-"""Candidates in the world: P paths x M profiles at T times."""
+"""Candidates in the world: P paths x M profiles at T times.
+
+A path is that of the rear axle's middle. There a kinematic bicycle's heading is its course and its curvature that of
+its wheels, tan(steering) / wheelbase, also while the wheels turn: the rear axle is its flat output (Fliess, Levine,
+Martin, Rouchon 1995, doi:10.1080/00207179508921959).
+"""
 
 from dataclasses import dataclass
+from math import cos, sin
 from typing import TypeVar
 
 import numpy as np
 
+from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning.spacetime.candidates import Paths, PathState, Profiles
 from vpf_sim.scene.road import Road
 from vpf_sim.types import Reals, VehicleModel
 
 LEAST_STRETCH = 0.2  # of 1 - d * curvature, on the inside of a bend
-LARGEST_SLIP_RAD = 0.7
 
 Real = TypeVar("Real", float, Reals)
 
@@ -25,10 +31,10 @@ class Motions:
     heading_rad: Reals  # (P, M, T) of the body
     speed_mps: Reals  # (1, M, T)
     acceleration_mps2: Reals  # (1, M, T)
-    d_m: Reals  # (P, M, T)
-    curvature_per_m: Reals  # (P, M, T) of the path
+    d_m: Reals  # (P, M, T) of the car's middle
+    curvature_per_m: Reals  # (P, M, T) of the rear axle's path
     half_width_m: Reals  # (P, M, T) of the body across the road
-    left_m: Reals  # (1, M, T) the road's left edge
+    left_m: Reals  # (1, M, T) the road's left edge beside the car's middle
     right_m: Reals
     own_left_m: Reals
     lane_offset_m: Reals  # (P, M, T) from the middle of the nearest lane
@@ -40,18 +46,34 @@ def motions(road: Road, start: PathState, paths: Paths, profiles: Profiles, vehi
     here = road.at(s)
     origin = float(here.x_m[0, 0, 0]), float(here.y_m[0, 0, 0])
     x, y = (here.x_m - origin[0]).astype(np.float32), (here.y_m - origin[1]).astype(np.float32)
-    heading, bend, left, right, own_left = (values.astype(np.float32) for values in here[2:])
+    heading, bend = (values.astype(np.float32) for values in (here.heading_rad, here.curvature_per_m))
     d, slope, second = paths.at(s.astype(np.float32))
     stretch = np.maximum(1.0 - bend * d, LEAST_STRETCH)
     course = np.arctan(slope / stretch)
     curvature = path_curvature(slope, second, bend, stretch)
-    body = course - np.clip(curvature * vehicle.l_r_m, -LARGEST_SLIP_RAD, LARGEST_SLIP_RAD)
-    half_width = 0.5 * (vehicle.length_m * np.abs(np.sin(body)) + vehicle.width_m * np.cos(body))
+    sine, cosine = np.sin(course), np.cos(course)
+    half_width = 0.5 * (vehicle.length_m * np.abs(sine) + vehicle.width_m * cosine)
+    along, aside = vehicle.l_r_m * cosine, vehicle.l_r_m * sine
+    sine, cosine = np.sin(heading), np.cos(heading)
+    x, y = x + along * cosine - (d + aside) * sine, y + along * sine + (d + aside) * cosine
+    d = d + aside - 0.5 * bend * along**2
+    s = s + vehicle.l_r_m
+    beside = road.at(s)
+    left, right, own_left = (values.astype(np.float32) for values in beside[4:])
     return Motions(
-        origin, x - d * np.sin(heading), y + d * np.cos(heading), heading + body,
+        origin, x, y, heading + course,
         profiles.speed_mps[None].astype(np.float32), profiles.acceleration_mps2[None].astype(np.float32),
         d, curvature, half_width, left, right, own_left, _lane_offset(road, s, d),
     )  # fmt: skip
+
+
+def rear_axle(road: Road, s_m: float, d_m: float, yaw_rad: float, vehicle: VehicleModel) -> tuple[float, float, float]:
+    """s and d, m, of a car's rear axle, and the car's heading from the road's, from the place of its middle."""
+    course = wrap_angle(yaw_rad - road.direction_at(s_m - vehicle.l_r_m)[0])
+    along = vehicle.l_r_m * cos(course)
+    heading, bend = road.direction_at(s_m - along)
+    course = wrap_angle(yaw_rad - heading)
+    return s_m - along, d_m - vehicle.l_r_m * sin(course) + 0.5 * bend * along**2, course
 
 
 def path_curvature(slope: Real, second: Real, road_per_m: Real, stretch: Real) -> Real:

@@ -6,7 +6,7 @@ doi:10.1145/237170.237244).
 """
 
 from dataclasses import dataclass
-from math import hypot, sqrt
+from math import hypot
 from typing import NamedTuple
 
 import numpy as np
@@ -114,9 +114,8 @@ def nearness_m(gap: Gaps) -> Reals:
 
 def turning_gap_m(vehicle: VehicleModel, curvature_per_m: float) -> float:
     """m before a wall from which the car can turn away from it: how far its outer corner moves forward in a circle."""
-    rear_m = sqrt(curvature_per_m**-2 - vehicle.l_r_m**2)  # the circle's radius at the rear axle
     front_m = vehicle.l_r_m + 0.5 * vehicle.length_m
-    return hypot(front_m, rear_m + 0.5 * vehicle.width_m) - front_m
+    return hypot(front_m, 1.0 / curvature_per_m + 0.5 * vehicle.width_m) - front_m
 
 
 class ObstaclePotential:

@@ -5,17 +5,16 @@ candidates -> limits -> field of road, target and comfort -> objects in space an
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import asin, cos, tan
+from math import cos, tan
 
 import numpy as np
 
-from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning.spacetime import candidates, limits
 from vpf_sim.planning.spacetime.candidates import Paths, PathState, Profiles
 from vpf_sim.planning.spacetime.field import ending_lanes, field
 from vpf_sim.planning.spacetime.limits import REJECTED
 from vpf_sim.planning.spacetime.motion import Motion, Rejected
-from vpf_sim.planning.spacetime.motions import Motions, motions
+from vpf_sim.planning.spacetime.motions import Motions, motions, rear_axle
 from vpf_sim.planning.spacetime.obstacles import ObstaclePotential
 from vpf_sim.planning.spacetime.settings import SpacetimeSettings
 from vpf_sim.scene import Scene, predict
@@ -48,7 +47,7 @@ class SpacetimePlanner:
         beyond = self._ending_lanes(scene, start, paths)
         shape = considered.d_m.shape[:2]
         price = np.broadcast_to(sum(prices.values()), shape).ravel()
-        cost = sum(potentials.values()) + beyond[:, None] + self._changes(scene, considered)
+        cost = sum(potentials.values()) + beyond[:, None] + self._changes(scene, start, paths, profiles)
         cost = np.broadcast_to(cost, shape).ravel() + price
         best, least, contact_price, collisions = self._cheapest(objects, considered, cost)
         p, m = divmod(best, shape[1])
@@ -86,35 +85,36 @@ class SpacetimePlanner:
         ego, last, measured = scene.ego, self.motion, self._measured(scene)
         if last is None:
             return measured
-        d, slope, bend = last.path_at(ego.s_m)
+        s, own_d, _ = rear_axle(scene.road, ego.s_m, ego.d_m, ego.yaw_rad, self._vehicle)
+        d, slope, bend = last.path_at(s)
         speed = last.speed_at(scene.time_s)
-        if abs(ego.d_m - d) > ON_PLAN_M or abs(ego.speed_mps - speed) > ON_PLAN_MPS:
+        if abs(own_d - d) > ON_PLAN_M or abs(ego.speed_mps - speed) > ON_PLAN_MPS:
             return measured
         limit = self._settings.limits
         acceleration = min(max(last.acceleration_at(scene.time_s), -limit.deceleration_mps2), limit.acceleration_mps2)
         if ego.speed_mps < SLOW_MPS:
             return replace(measured, speed_mps=speed, acceleration_mps2=acceleration)
-        return PathState(ego.s_m, d, slope, bend, speed, acceleration)
+        return PathState(s, d, slope, bend, speed, acceleration)
 
     def _measured(self, scene: Scene) -> PathState:
-        """The car's own state on the road: its course is its heading and the slip of a bicycle's middle."""
+        """The rear axle's own state on the road."""
         ego = scene.ego
-        heading, curvature = scene.road.direction_at(ego.s_m)
-        angle = wrap_angle(ego.yaw_rad + slip_rad(ego.speed_mps, ego.yaw_rate_radps, self._vehicle) - heading)
+        s, d, angle = rear_axle(scene.road, ego.s_m, ego.d_m, ego.yaw_rad, self._vehicle)
+        curvature = scene.road.direction_at(s)[1]
         angle = min(max(angle, -LARGEST_ANGLE_RAD), LARGEST_ANGLE_RAD)
         own = ego.yaw_rate_radps / ego.speed_mps if ego.speed_mps > SLOW_MPS else 0.0
-        slope = tan(angle) * (1.0 - curvature * ego.d_m)
-        return PathState(ego.s_m, ego.d_m, slope, (own - curvature) / cos(angle) ** 3, ego.speed_mps, 0.0)
+        slope = tan(angle) * (1.0 - curvature * d)
+        return PathState(s, d, slope, (own - curvature) / cos(angle) ** 3, ego.speed_mps, 0.0)
 
-    def _changes(self, scene: Scene, considered: Motions) -> Reals:
+    def _changes(self, scene: Scene, start: PathState, paths: Paths, profiles: Profiles) -> Reals:
         """(P, M) cost of another place across the road and another speed, soon, than in the last plan."""
         last = self.motion
         if last is None:
             return np.zeros((1, 1))
         soon, time_s = round(CHANGE_S / self._settings.candidates.step_s), scene.time_s + CHANGE_S
         planned_m, _, _ = last.path_at(last.s_at(time_s))
-        aside = np.abs(considered.d_m[:, :, soon] - planned_m)
-        faster = np.abs(considered.speed_mps[:, :, soon] - last.speed_at(time_s))
+        aside = np.abs(paths.at(start.s_m + profiles.travelled_m[None, :, soon])[0] - planned_m)
+        faster = np.abs(profiles.speed_mps[:, soon] - last.speed_at(time_s))
         changed: Reals = self._settings.cost.change_side * aside + self._settings.cost.change_speed * faster
         return changed
 
@@ -136,13 +136,6 @@ class SpacetimePlanner:
                 index = int(np.argmin(total))
                 best, least, price = int(rows[index]), float(total[index]), float(contact[index])
         return best, least, price, collisions
-
-
-def slip_rad(speed_mps: float, yaw_rate_radps: float, vehicle: VehicleModel) -> float:
-    """Angle from the heading to the velocity of the middle of a kinematic bicycle."""
-    if speed_mps <= SLOW_MPS:
-        return 0.0
-    return asin(min(max(yaw_rate_radps * vehicle.l_r_m / speed_mps, -LARGEST_ANGLE_RAD), LARGEST_ANGLE_RAD))
 
 
 def _reasons(prices: Mapping[str, Reals], shape: tuple[int, ...], collisions: int) -> Rejected:

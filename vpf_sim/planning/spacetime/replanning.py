@@ -36,4 +36,4 @@ class MotionReplanner:
         if self._motion is None:
             raise ValueError("motion: expected a plan before the first reference, got none")
         wanted = reference(self._motion, road, observation, place_m, self._vehicle)
-        return wanted, MotionPlan(self._motion, road, observation.pose)
+        return wanted, MotionPlan(self._motion, road, self._vehicle, observation.pose)

@@ -7,10 +7,8 @@ that grows with the speed; its rate is the derivative in closed form.
 from math import atan, sin
 
 from vpf_sim.driver_interface import Observation
-from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning.spacetime.motion import Motion
-from vpf_sim.planning.spacetime.motions import LEAST_STRETCH, path_curvature
-from vpf_sim.planning.spacetime.planner import slip_rad
+from vpf_sim.planning.spacetime.motions import LEAST_STRETCH, path_curvature, rear_axle
 from vpf_sim.scene.road import Road
 from vpf_sim.types import Reference, VehicleModel
 
@@ -24,14 +22,13 @@ STANDING_MPS, HOLD_MPS = 0.05, -0.5  # a reference below 0 holds the car by its 
 def reference(
     motion: Motion, road: Road, observation: Observation, place_m: tuple[float, float], vehicle: VehicleModel
 ) -> Reference:
-    """The reference at an observation's time, for the car at (s, d)."""
-    s, d = place_m
-    heading, bend = road.direction_at(s)
+    """The reference at an observation's time, for the car with its middle at (s, d)."""
+    s, d, angle = rear_axle(road, *place_m, observation.yaw_rad, vehicle)
+    bend = road.direction_at(s)[1]
     planned, slope, _ = motion.path_at(s)
     off = d - planned
-    course = heading + atan(slope / max(1.0 - bend * planned, LEAST_STRETCH))
-    speed, slip = observation.speed_mps, slip_rad(observation.speed_mps, observation.yaw_rate_radps, vehicle)
-    error = wrap_angle(observation.yaw_rad + slip - course)
+    error = angle - atan(slope / max(1.0 - bend * planned, LEAST_STRETCH))
+    speed = observation.speed_mps
     reach = max(LEAST_REACH_M, REACH_S * speed)
     turning = speed * sin(error) * reach / (reach**2 + off**2)  # of atan(e / l), rad/s
     curvature = _curvature(motion, road, s + max(STEERING_S * speed, LEAST_AHEAD_M))
