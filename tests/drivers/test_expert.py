@@ -1,5 +1,7 @@
 """The driver with the true scene."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,22 @@ from vpf_sim import drivers
 from vpf_sim.driver_interface import DriverSetup
 from vpf_sim.errors import InputError
 from vpf_sim.types import Camera, VehicleModel
+
+STANDING = """schema = 1
+[road]
+lanes = 3
+segments = [{{kind = "line", length_m = 60}}]
+[ego]
+lane = 2
+s_m = 10.0
+speed_mps = 0.0
+[goal]
+s_m = 40.0
+[[bodies]]
+kind = "car"
+s_m = {parked_m}
+lane = 2
+"""
 
 
 @pytest.fixture(scope="module")
@@ -43,3 +61,13 @@ def test_it_needs_the_world() -> None:
     driver = drivers.create("expert")
     with pytest.raises(InputError, match="driver expert: expected the world in its setup, got none"):
         driver.reset(DriverSetup(Camera(), VehicleModel(), 60.0, 5.55, (10.0, 0.0), 1, np.array([[0.0, 0], [9, 0]])))
+
+
+@pytest.mark.parametrize("gap_m", [2.8, 4.0])
+def test_it_drives_past_a_car_before_which_it_stands(gap_m: float, tmp_path: Path) -> None:
+    """The parked car is 5 m long; what is planned while the wheels turn must be what the car then does."""
+    file = tmp_path / "standing.toml"
+    file.write_text(STANDING.format(parked_m=10.0 + 0.5 * (4.5 + 5.0) + gap_m))
+    record = vpf_sim.drive(file, driver="expert").record
+    assert record["status"] == "success"
+    assert record["min_clearance_m"] > 0.1

@@ -3,6 +3,7 @@
 import numpy as np
 
 from vpf_sim.scene import EgoState, Road, Scene, Tracks
+from vpf_sim.types import VehicleModel
 
 LANE_M, EDGE_M = 3.5, 5.25
 STEP_M = 0.5
@@ -38,8 +39,9 @@ def tracks(on: Road, *objects: tuple[float, ...]) -> Tracks:
 def scene(
     on: Road, seen: Tracks, s_m: float = 0.0, d_m: float = 0.0, speed_mps: float = 5.5, reference_mps: float = 5.5
 ) -> Scene:
-    """The ego drives along the road at (s, d)."""
+    """The ego drives along the road at (s, d): where it bends, the car's rear axle has the road's direction."""
     x, y, heading = (float(value) for value in on.world(np.array(s_m), np.array(d_m)))
     curvature = on.direction_at(s_m)[1]
+    heading -= curvature * VehicleModel().l_r_m
     ego = EgoState(x, y, heading, speed_mps, speed_mps * curvature / (1.0 - curvature * d_m), s_m, d_m)
     return Scene(0.0, ego, on, seen, reference_mps)

@@ -19,7 +19,9 @@ def plan_of(*objects: tuple[float, ...]) -> Plan:
     on = road()
     made = scene(on, tracks(on, *objects))
     motion = SpacetimePlanner(settings.load(), VehicleModel()).plan(made)
-    return Plan(None, Force(*np.zeros((4, 2))), Reference(0.0, 5.5), MotionPlan(motion, on, np.zeros(3)))
+    return Plan(
+        None, Force(*np.zeros((4, 2))), Reference(0.0, 5.5), MotionPlan(motion, on, VehicleModel(), np.zeros(3))
+    )
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])

@@ -71,4 +71,5 @@ def test_the_curvature_beside_a_bend_is_that_of_the_circle(d_m: float) -> None:
     driven = motions(bend, state, straight_on, profiles, VehicleModel())
     np.testing.assert_allclose(driven.curvature_per_m, 1.0 / (40.0 - d_m), rtol=1e-4)
     x, y = driven.x_m + driven.origin_m[0], driven.y_m + driven.origin_m[1]
-    np.testing.assert_allclose(np.hypot(x, y - 40.0), 40.0 - d_m, atol=0.01)
+    np.testing.assert_allclose(np.hypot(x, y - 40.0), np.hypot(40.0 - d_m, VehicleModel().l_r_m), atol=0.01)
+    np.testing.assert_allclose(driven.d_m, 40.0 - np.hypot(40.0 - d_m, VehicleModel().l_r_m), atol=0.005)

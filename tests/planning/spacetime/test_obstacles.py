@@ -92,10 +92,10 @@ def test_the_turning_gap_is_what_a_circle_on_full_lock_needs() -> None:
     """The car's outer front corner is followed once around the circle's middle, in small steps."""
     vehicle, curvature = VehicleModel(), 0.28
     x, y, yaw, farthest_m, step_m = 0.0, 0.0, 0.0, 0.0, 0.001
-    slip = np.arcsin(vehicle.l_r_m * curvature)
+    slip = np.arctan(vehicle.l_r_m * curvature)
     for _ in range(6000):
         x, y = x + step_m * np.cos(yaw + slip), y + step_m * np.sin(yaw + slip)
-        yaw += step_m * curvature
+        yaw += step_m * np.sin(slip) / vehicle.l_r_m
         corner = hypot(0.5 * vehicle.length_m, 0.5 * vehicle.width_m)
         angle = yaw - np.arctan2(vehicle.width_m, vehicle.length_m)
         farthest_m = max(farthest_m, x + corner * np.cos(angle))

@@ -66,7 +66,9 @@ def test_it_passes_a_parked_car_at_a_distance_that_a_driver_would_keep() -> None
         time_s = now.time_s + 0.1
         s_m, speed_mps = motion.s_at(time_s), motion.speed_at(time_s)
         d_m, slope, _ = motion.path_at(s_m)
-        ego = scene(on, seen, s_m, d_m, speed_mps).ego._replace(yaw_rad=np.arctan(slope))
+        yaw_rad = np.arctan(slope)
+        s_m, d_m = s_m + VehicleModel().l_r_m * np.cos(yaw_rad), d_m + VehicleModel().l_r_m * np.sin(yaw_rad)
+        ego = scene(on, seen, s_m, d_m, speed_mps).ego._replace(yaw_rad=yaw_rad)
         now = replace(now, time_s=time_s, ego=ego)
         if abs(s_m - 30.0) < 4.5:
             least_m = min(least_m, 0.6 - d_m - 1.9)
@@ -130,7 +132,8 @@ def test_the_next_plan_goes_on_from_the_last() -> None:
     planner = SpacetimePlanner(settings.load(), VehicleModel())
     seen = tracks(on, (18.0, 0.6, 0.0, 0.0, *CAR))
     first = planner.plan(scene(on, seen))
-    d_m, slope, _ = first.path_at(1.0)
+    rear_m = 1.0 - VehicleModel().l_r_m
+    d_m, slope, _ = first.path_at(rear_m)
     second = planner.plan(scene(on, seen, 1.0, d_m + 0.05, 5.4))
     assert (second.start.d_m, second.start.slope) == pytest.approx((d_m, slope))
     assert second.path.end_m[0] == pytest.approx(first.path.end_m[0], abs=0.6)

@@ -1,6 +1,6 @@
 """The gradient-tracking controller on motions planned in space and time, in closed loop with a kinematic bicycle."""
 
-from math import asin
+from math import asin, cos, sin
 
 import numpy as np
 import pytest
@@ -10,27 +10,36 @@ from made_scene import LANE_M, road, scene, tracks
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
 from vpf_sim.planning.spacetime import settings
 from vpf_sim.planning.spacetime.motion import Motion
+from vpf_sim.planning.spacetime.motions import motions
 from vpf_sim.planning.spacetime.planner import SpacetimePlanner
 from vpf_sim.planning.spacetime.tracking import reference
 from vpf_sim.scene import Road
 from vpf_sim.types import VehicleModel
 
 VEHICLE = VehicleModel()
+FRONT_M = 0.5 * VEHICLE.length_m  # from the middle
 
 
 def driven(on: Road, motion: Motion, car: Bicycle, duration_s: float) -> np.ndarray:
-    """(N, 3) m: deviation from the path, s behind the plan, and the speed's error in m/s, of each step."""
+    """(N, 3) m: the rear axle's deviation from the path, s behind the plan, and the speed's error in m/s, by step."""
     control, rows = Gtsmc(load_gains("motion"), VEHICLE, 60.0), []
-    s = motion.start.s_m
     for _ in range(round(60.0 * duration_s)):
-        places = on.place_at(np.array([car.x_m]), np.array([car.y_m]), np.array([s]))
-        s, d = (float(value[0]) for value in places)
         seen = car.observe()
+        s, d = rear_place(on, car)
         rows.append(
             (d - motion.path_at(s)[0], motion.s_at(seen.time_s) - s, motion.speed_at(seen.time_s) - car.speed_mps)
         )
-        car.step(control.command(seen, reference(motion, on, seen, (s, d), VEHICLE)))
+        car.step(control.command(seen, reference(motion, on, seen, place(on, car.x_m, car.y_m), VEHICLE)))
     return np.array(rows)
+
+
+def place(on: Road, x_m: float, y_m: float) -> tuple[float, float]:
+    s, d = on.place_at(np.array([x_m]), np.array([y_m]), np.array([x_m]))
+    return float(s[0]), float(d[0])
+
+
+def rear_place(on: Road, car: Bicycle) -> tuple[float, float]:
+    return place(on, car.x_m - VEHICLE.l_r_m * cos(car.yaw_rad), car.y_m - VEHICLE.l_r_m * sin(car.yaw_rad))
 
 
 def planned(on: Road, objects: tuple[tuple[float, ...], ...], speed_mps: float, reference_mps: float) -> Motion:
@@ -46,6 +55,23 @@ def test_a_motion_around_an_obstacle_is_followed(speed_mps: float) -> None:
     off, behind, _ = driven(on, motion, Bicycle(speed_mps=speed_mps), 3.5).T
     assert np.abs(off).max() < 0.12
     assert np.abs(behind).max() < 0.5
+
+
+@pytest.mark.parametrize("speed_mps", [0.5, 2.0, 5.5])
+def test_the_front_is_where_the_motion_says_while_the_wheels_turn(speed_mps: float) -> None:
+    """In a sharp turn the wheels need half a second to turn, and the body's middle does not drive where it points."""
+    on = road()
+    motion = planned(on, ((9.4 + speed_mps, 0.5, 0.0, 0.0, 4.5, 1.9),), speed_mps, 5.5)
+    plan = motions(on, motion.start, motion.path, motion.profile, VEHICLE)
+    x, y, heading = (values[0, 0, :12] for values in (plan.x_m, plan.y_m, plan.heading_rad))
+    front = plan.origin_m[0] + x + FRONT_M * np.cos(heading), plan.origin_m[1] + y + FRONT_M * np.sin(heading)
+    assert np.ptp(front[1]) > 1.0
+    car, control, driven_m = Bicycle(speed_mps=speed_mps), Gtsmc(load_gains("motion"), VEHICLE, 60.0), []
+    for _ in range(180):
+        seen = car.observe()
+        driven_m.append((car.x_m + FRONT_M * cos(car.yaw_rad), car.y_m + FRONT_M * sin(car.yaw_rad)))
+        car.step(control.command(seen, reference(motion, on, seen, place(on, car.x_m, car.y_m), VEHICLE)))
+    np.testing.assert_allclose(np.interp(front[0], *np.array(driven_m).T), front[1], atol=0.12)
 
 
 @pytest.mark.parametrize("speed_mps", [3.0, 8.0, 25.0])
@@ -76,6 +102,6 @@ def test_the_planned_stop_is_kept_and_the_car_held() -> None:
     assert np.abs(behind).max() < 0.3
     assert np.abs(slower).max() < 0.5
     held = Gtsmc(load_gains("motion"), VEHICLE, 60.0).command(
-        car.observe(), reference(motion, on, car.observe(), (motion.s_at(5.0), 0.0), VEHICLE)
+        car.observe(), reference(motion, on, car.observe(), place(on, car.x_m, car.y_m), VEHICLE)
     )
     assert held.throttle < 0.0

@@ -25,6 +25,7 @@ ALONG_SHARE = 0.4  # a metre ahead is as near as so much to the side
 IN_LANE_M = 0.25  # who is nearer to the own path, across, is followed
 BRAKING_MPS2 = 5.5  # of the braking distance, for both cars
 REACTION_S = 0.3
+TURNED = 0.8  # of the largest curvature, with which a car that stands turns away: it drives while its wheels turn
 GAP_S = 0.9
 STANDING_MPS, STANDING_SHARE = 0.1, np.float32(0.5)  # of the price, where the car stands and is hit
 BESIDE_M = 0.1  # a track that would pass the car by more does not follow it
@@ -134,7 +135,7 @@ class ObstaclePotential:
         self._prediction = prediction
         self._follows = _follows(prediction, scene.ego, vehicle)
         self._vehicle, self._reference_mps = vehicle, scene.speed_reference_mps
-        self._standing_gap_m = np.float32(turning_gap_m(vehicle, limits.curvature_per_m))
+        self._standing_gap_m = np.float32(turning_gap_m(vehicle, TURNED * limits.curvature_per_m))
         self._quantile = float(ndtri(1.0 - limits.occupied))
         self._contact_decay = np.exp(-times_s / CONTACT_S).astype(np.float32)
         self._near_decay = np.exp(-times_s / NEAR_S).astype(np.float32)
