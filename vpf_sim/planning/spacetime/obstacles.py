@@ -27,6 +27,7 @@ BRAKING_MPS2 = 5.5  # of the braking distance, for both cars
 REACTION_S = 0.3
 TURNED = 0.8  # of the largest curvature, with which a car that stands turns away: it drives while its wheels turn
 GAP_S = 0.9
+DEEP_M = 0.4  # from which an overlap with an object and the distance to be kept from it costs no more
 STANDING_MPS, STANDING_SHARE = 0.1, np.float32(0.5)  # of the price, where the car stands and is hit
 BESIDE_M = 0.1  # a track that would pass the car by more does not follow it
 LEAST_RATE = np.float32(1e-6)
@@ -168,7 +169,7 @@ class ObstaclePotential:
         )
         impact = 0.4 + 0.15 * np.minimum(np.abs(speed - np.maximum(other, 0.0)), 12.0)
         share = np.where(speed < STANDING_MPS, STANDING_SHARE, np.float32(1.0))
-        price = self._contact_decay * share * impact * (0.3 + np.minimum(-apart, 0.7))
+        price = self._contact_decay * share * impact * np.minimum(-apart / DEEP_M, np.float32(1.0))
         return np.where(apart < 0.0, price, np.float32(0.0))
 
     def _nearness(self, gap: Gaps, speed: Reals) -> Reals:
