@@ -45,25 +45,23 @@ def motions(road: Road, start: PathState, paths: Paths, profiles: Profiles, vehi
     s = (start.s_m + profiles.travelled_m)[None]
     here = road.at(s)
     origin = float(here.x_m[0, 0, 0]), float(here.y_m[0, 0, 0])
-    x, y = (here.x_m - origin[0]).astype(np.float32), (here.y_m - origin[1]).astype(np.float32)
+    rear_x, rear_y = (here.x_m - origin[0]).astype(np.float32), (here.y_m - origin[1]).astype(np.float32)
     heading, bend = (values.astype(np.float32) for values in (here.heading_rad, here.curvature_per_m))
     d, slope, second = paths.at(s.astype(np.float32))
     stretch = np.maximum(1.0 - bend * d, LEAST_STRETCH)
     course = np.arctan(slope / stretch)
-    curvature = path_curvature(slope, second, bend, stretch)
-    sine, cosine = np.sin(course), np.cos(course)
-    half_width = 0.5 * (vehicle.length_m * np.abs(sine) + vehicle.width_m * cosine)
-    along, aside = vehicle.l_r_m * cosine, vehicle.l_r_m * sine
-    sine, cosine = np.sin(heading), np.cos(heading)
-    x, y = x + along * cosine - (d + aside) * sine, y + along * sine + (d + aside) * cosine
-    d = d + aside - 0.5 * bend * along**2
-    s = s + vehicle.l_r_m
-    beside = road.at(s)
-    left, right, own_left = (values.astype(np.float32) for values in beside[4:])
+    half_width = 0.5 * (vehicle.length_m * np.abs(np.sin(course)) + vehicle.width_m * np.cos(course))
+    forward, right = vehicle.l_r_m * np.cos(course), d + vehicle.l_r_m * np.sin(course)  # of the middle, by the road
+    x = rear_x + forward * np.cos(heading) - right * np.sin(heading)
+    y = rear_y + forward * np.sin(heading) + right * np.cos(heading)
+    beside_s = s + vehicle.l_r_m
+    middle = right - 0.5 * bend * forward**2
+    left, right_edge, own_left = (values.astype(np.float32) for values in road.at(beside_s)[4:])
     return Motions(
         origin, x, y, heading + course,
         profiles.speed_mps[None].astype(np.float32), profiles.acceleration_mps2[None].astype(np.float32),
-        d, curvature, half_width, left, right, own_left, _lane_offset(road, s, d),
+        middle, path_curvature(slope, second, bend, stretch), half_width,
+        left, right_edge, own_left, _lane_offset(road, beside_s, middle),
     )  # fmt: skip
 
 
