@@ -57,8 +57,7 @@ EVALUATION = ["metrics", "truth", "episode", "sweeps", "analysis", "perception",
 SUBPACKAGES: dict[str, dict[str, set[str]]] = {
     "perception": {"egomotion": set(), "road": set(), "obstacles": {"egomotion", "road"}, "paper": {"egomotion"}},
     "perception.obstacles": {"planar_parallax": set(), "moving": set()},
-    "planning": {"paper": {"lane"}, "lane": set(), "spacetime": set(), "variants": set()},
-    "planning.lane": {"speed": set()},
+    "planning": {"paper": set(), "spacetime": set(), "variants": set()},
 }
 MOST_FILES = 16  # in a folder of perception
 

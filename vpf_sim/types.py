@@ -281,7 +281,7 @@ class Perception:
 
 @dataclass(frozen=True, slots=True)
 class Force:
-    """Forces of fields or lateral cost at the vehicle, in vehicle axes: (2,) each, X forward, Y right."""
+    """Forces of fields at the vehicle, in vehicle axes: (2,) each, X forward, Y right."""
 
     target: Floats
     obstacle: Floats
@@ -314,7 +314,7 @@ class Plan:
     perception: Perception | None  # None of a driver that is given the world
     force: Force
     reference: Reference
-    extra: PlanDetails | None = None  # LanePlan, PaperPlan or MotionPlan; None of another planner
+    extra: PlanDetails | None = None  # PaperPlan or MotionPlan; None of another planner
     reaching: bool | None = None  # whether the reaching condition of the controller holds; None: not yet controlled
 
 

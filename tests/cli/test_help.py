@@ -79,7 +79,7 @@ def completed(line: str) -> list[str]:
         ("vpf-sim swe", ["sweep"]),
         ("vpf-sim drive cur", ["curve-left", "curve-right"]),
         ("vpf-sim drive town04 --weather Hard", ["HardRainNight", "HardRainNoon", "HardRainSunset"]),
-        ("vpf-sim drive town04 --driver vpf-", ["vpf-scene", "vpf-paper", "vpf-literal"]),
+        ("vpf-sim drive town04 --driver vpf-", ["vpf-paper", "vpf-literal"]),
         ("vpf-sim report --jso", ["--json"]),
     ],
 )

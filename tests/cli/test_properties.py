@@ -34,8 +34,8 @@ LONGEST_LINE, MOST_LINES = 1000, 40
 RANDOM_SCENARIO = "schema = 1\n[random]\nlength_m = [200.0, 250.0]\nrows = [1, 3]\n"
 VARIANT = (
     'base = "robust"\n[flow]\npoints = 200\nwindow_px = 11\n'
-    "[lane_planner.lateral_cost]\nreach_m = 10.0\nspacing_m = 0.1\n"
-    "[lane_planner.path]\nspeed_mps = 1.5\n"
+    "[crossing]\nfarthest_m = 20.0\nleast_points = 4\n"
+    "[scene.unseen]\npatience_s = 1.5\n"
 )
 
 

@@ -135,7 +135,7 @@ SETTINGS = [
     ('flow = "other.toml"', "flow: expected the name of a variant, got 'other.toml'"),
     ("flow = 3", "flow: expected a table, got 3"),
     ('gains = "robus"', "gains: unknown gains 'robus': did you mean 'robust'?"),
-    ('static_obstacles = "none"', "[lane_planner] needs [static_obstacles]"),
+    ('static_obstacles = "none"', "[scene] needs [static_obstacles]"),
 ]
 DRIVES = [
     ("rate_hz = 1e9", "rate_hz: expected 0.2 to 1000, got 1e+09"),

@@ -58,7 +58,6 @@ def frame(level: int = 90) -> Observation:
 def test_the_registry_and_its_descriptions() -> None:
     assert drivers.names() == [
         "vpf",
-        "vpf-scene",
         "vpf-paper",
         "vpf-literal",
         "pid",
@@ -81,7 +80,7 @@ def test_the_registry_and_its_descriptions() -> None:
 
 def test_only_vision_drivers_look_at_the_frames(module: str) -> None:
     seeing = [name for name in drivers.names() if drivers.uses_images(drivers.create(name))]
-    ours, rivals = ["vpf", "vpf-scene", "vpf-paper", "vpf-literal"], ["lane-lines", "dominant-plane"]
+    ours, rivals = ["vpf", "vpf-paper", "vpf-literal"], ["lane-lines", "dominant-plane"]
     assert seeing == [*ours, *rivals, "learned-bc", "learned-ppo", "keyboard"]
     assert drivers.uses_images(drivers.create(f"{module}:Own")), "who does not say is shown them"
 
@@ -99,7 +98,7 @@ def test_a_driver_that_tracks_no_scene_does_not_wait_for_the_tracker() -> None:
     assert done.stdout.strip() == "False"
 
 
-@pytest.mark.parametrize("name", ["vpf", "vpf-scene", "vpf-paper", "vpf-literal"])
+@pytest.mark.parametrize("name", ["vpf", "vpf-paper", "vpf-literal"])
 def test_a_vision_driver_survives_a_frame_without_any_texture(name: str) -> None:
     driver = drivers.create(name)
     driver.reset(setup())

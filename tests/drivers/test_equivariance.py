@@ -15,7 +15,7 @@ from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.evaluation.episode.episode import read, setup_for
 from vpf_sim.geometry import rotation, wrap_angle
 from vpf_sim.perception.paper import obstacle_map
-from vpf_sim.planning.lane.planner import LanePlan
+from vpf_sim.planning.spacetime.motion import MotionPlan
 from vpf_sim.types import Floats, Plan
 
 FRAMES = 60
@@ -97,7 +97,7 @@ def driven(name: str, drive: Drive) -> tuple[Floats, Plan]:
     return np.array([(command.throttle, command.steering) for command in commands]), plan
 
 
-@pytest.mark.parametrize("name", ["vpf", "vpf-scene", "vpf-paper"])
+@pytest.mark.parametrize("name", ["vpf", "vpf-paper"])
 def test_turning_and_moving_the_world_changes_no_command(name: str, drive: Drive) -> None:
     here, plan = driven(name, drive)
     there, _ = driven(name, moved(drive, radians(137.0), (600.0, -800.0)))
@@ -118,7 +118,7 @@ def test_the_obstacle_map_is_computed_once_where_it_is_asked_for(drive: Drive, m
     requested, detect = [], obstacle_map.detect
     monkeypatch.setattr(obstacle_map, "detect", lambda *given: requested.append(0) or detect(*given))
     seen = driven("vpf", drive)[1].perception
-    assert not requested, "the lane planner goes by obstacles"
+    assert not requested, "the scene planner goes by obstacles"
     shapes = {found.shape for found in (seen.features.obstacle_map.on_obstacle, seen.features.ttc_s)}
     assert shapes == {seen.flow.points_px.shape[:1]}
     assert len(requested) == 1
@@ -133,9 +133,10 @@ def test_the_mirror_image_is_seen_and_planned_the_other_way(drive: Drive, tmp_pa
     assert seen.perception.road.left_m == pytest.approx(-plan.perception.road.right_m, abs=0.01)
     assert seen.perception.road.heading_rad == pytest.approx(-plan.perception.road.heading_rad, abs=2e-3)
     assert seen.perception.road.curvature_per_m == pytest.approx(-plan.perception.road.curvature_per_m, abs=1e-3)
-    assert isinstance(seen.extra, LanePlan)
-    assert isinstance(plan.extra, LanePlan)
-    assert seen.extra.cost.minimum_m == pytest.approx(-plan.extra.cost.minimum_m, abs=0.15)
-    assert plan.extra.cost.minimum_m < -0.5
+    assert isinstance(seen.extra, MotionPlan)
+    assert isinstance(plan.extra, MotionPlan)
+    end_m, mirrored_m = (float(one.extra.motion.path.end_m[0]) for one in (plan, seen))
+    assert mirrored_m == pytest.approx(-end_m, abs=0.15)
+    assert end_m < -0.5
     assert here[:, 1].min() < -0.1
     assert there[:, 1].max() > 0.1

@@ -38,7 +38,7 @@ def static_obstacles() -> StaticObstacleConfig:
 
 
 def scene() -> SceneConfig:
-    return unwrap(load("scene").scene)
+    return unwrap(ROBUST.scene)
 
 
 def moving_obstacles() -> MovingObstacleConfig:

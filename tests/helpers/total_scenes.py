@@ -26,9 +26,7 @@ from vpf_sim.types import (
 
 CAMERA, VEHICLE = Camera(), VehicleModel()
 MOST = float(np.finfo(float).max)
-VARIANTS = [
-    name for name in variant.names() if variant.load(name).scene is None
-]  # of planners without memory of places
+VARIANTS = variant.names()
 NO_IMAGE = np.zeros((0, 0, 3), np.uint8)
 
 load: Any = cache(variant.load)

@@ -50,8 +50,8 @@ def test_one_way_through_the_field_and_what_it_needs() -> None:
     with pytest.raises(ValueError, match="exactly one of"):
         replace(robust, paper_planner=paper.paper_planner)
     with pytest.raises(ValueError, match="exactly one of"):
-        replace(robust, scene=variant.load("scene").scene)
+        replace(robust, scene=None)
     with pytest.raises(ValueError, match="\\[scene\\] needs \\[visibility\\]"):
-        replace(variant.load("scene"), visibility=None)
+        replace(robust, visibility=None)
     with pytest.raises(ValueError, match="needs \\[static_obstacles\\]"):
         replace(robust, static_obstacles=None)

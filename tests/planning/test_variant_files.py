@@ -14,8 +14,8 @@ CHANGES = [
     {"gains", "controller"},
     {"odometry"},
     {"camera_pitch"},
-    {"static_obstacles", "visibility", "lane_planner", "paper_planner", "obstacle_map"},
-    {"moving_obstacles"},
+    {"gains", "static_obstacles", "visibility", "scene", "paper_planner", "obstacle_map"},
+    {"moving_obstacles", "crossing"},
 ]
 
 
@@ -38,8 +38,8 @@ def test_each_step_is_a_driver_without_privilege() -> None:
 
 def test_the_super_twisting_variant_is_robust_with_other_gains() -> None:
     twisting, robust = variant.load("super-twisting"), variant.load("robust")
-    assert (twisting.gains, robust.gains) == ("super-twisting", "robust")
-    assert replace(twisting, gains="robust") == robust
+    assert (twisting.gains, robust.gains) == ("super-twisting", "motion")
+    assert replace(twisting, gains="motion") == robust
 
 
 def written(folder: Path, text: str) -> str:
@@ -49,15 +49,15 @@ def written(folder: Path, text: str) -> str:
 
 
 def test_a_variant_of_ones_own_says_what_it_starts_from_and_what_it_changes(tmp_path: Path) -> None:
-    own = variant.load(written(tmp_path, "[road_edges]\nlanes = 3\n[lane_planner.clearance]\nwanted_m = 0.7\n"))
+    own = variant.load(written(tmp_path, "[road_edges]\nlanes = 3\n[scene.unseen]\npatience_s = 2.0\n"))
     robust = variant.load("robust")
     assert own.road_edges.lanes == 3
-    assert own.lane_planner is not None
-    assert robust.lane_planner is not None
-    assert own.lane_planner.clearance.wanted_m == 0.7
-    assert own.lane_planner.path == robust.lane_planner.path
+    assert own.scene is not None
+    assert robust.scene is not None
+    assert own.scene.unseen.patience_s == 2.0
+    assert own.scene.tracker == robust.scene.tracker
     assert own.flow == robust.flow
-    assert variant.load(written(tmp_path, 'base = "lane_planner"')) == variant.load("lane_planner")
+    assert variant.load(written(tmp_path, 'base = "static_obstacles"')) == variant.load("static_obstacles")
     assert drivers.create(f"vpf@{tmp_path / 'mine.toml'}").privileged == "none"
 
 

@@ -7,14 +7,20 @@ from typing import Any
 import numpy as np
 import pytest
 from driver_settings import ROBUST, unwrap
-from lane_planner import BUMPER_M, driver_setup
 
+from vpf_sim.driver_interface import DriverSetup
 from vpf_sim.planning.stopping_distance import stopping_speed, stopping_way
 from vpf_sim.planning.visibility import SpeedInSight, speed_within_clear_distance
-from vpf_sim.types import UNLIMITED, LowObstacleRange, RoadEdges
+from vpf_sim.types import UNLIMITED, Camera, LowObstacleRange, RoadEdges, VehicleModel
 
 VISIBILITY = unwrap(ROBUST.visibility)
 CONFIG = replace(unwrap(VISIBILITY.clear_distance), brake_mps2=3.0)
+CAR = VehicleModel()
+BUMPER_M = 0.5 * CAR.length_m
+
+
+def driver_setup(speed_mps: float = 5.55) -> DriverSetup:
+    return DriverSetup(Camera(), CAR, 60.0, speed_mps, (1e3, 0.0), 0)
 
 
 @pytest.mark.parametrize("way_m", [0.0, 2.0, 8.0, 40.0])

@@ -39,9 +39,8 @@ def test_steering_in_a_right_bend_is_predicted(bend: tuple[dict[str, Any], Frame
     assert np.abs(table.throttle).max() < 0.02  # at its initial speed
 
 
-@pytest.mark.parametrize("driver", ["vpf", "vpf-scene"])
-def test_steering_in_a_left_bend_is_predicted(driver: str, tmp_path: Path) -> None:
-    _, table = replayed(rendered.recording(-BEND_M), tmp_path, driver)
+def test_steering_in_a_left_bend_is_predicted(tmp_path: Path) -> None:
+    _, table = replayed(rendered.recording(-BEND_M), tmp_path)
     assert np.median(table.steering[SETTLED:]) == pytest.approx(-TRUE_STEERING, abs=0.008)
     assert np.abs(table.throttle).max() < 0.02
 
@@ -50,7 +49,7 @@ def test_scene_is_planned_at_the_speed_of_the_model_vehicle(tmp_path: Path) -> N
     """The human leaves the speed that is to be kept; the prediction does not follow, nor brake back to it."""
     drive = rendered.recording(np.inf)
     faster = replace(drive, speed_mps=drive.speed_mps + np.linspace(0.0, 3.0, len(drive)))
-    _, table = replayed(faster, tmp_path, "vpf-scene")
+    _, table = replayed(faster, tmp_path)
     assert np.mean(table.road_found[SETTLED:]) > 0.9
     assert np.abs(table.throttle).max() < 0.05
 
@@ -91,9 +90,8 @@ def test_ego_motion_by_flow_is_correct(bend: tuple[dict[str, Any], FrameTable]) 
         assert max(record[key].values()) < 2.0, key
 
 
-@pytest.mark.parametrize("driver", ["vpf", "vpf-scene"])
-def test_car_in_the_lane_makes_a_part_with_obstacles(driver: str, tmp_path: Path) -> None:
-    _, table = replayed(rendered.recording(np.inf, body_s_m=48.0), tmp_path, driver)
+def test_car_in_the_lane_makes_a_part_with_obstacles(tmp_path: Path) -> None:
+    _, table = replayed(rendered.recording(np.inf, body_s_m=48.0), tmp_path)
     assert table.obstacle_detected[:3].max() == 0.0
     assert table.obstacle_detected[-10:].mean() > 0.8
     assert np.abs(table.steering[-10:]).max() > 0.02 or table.throttle[-10:].min() < 0.0, "it must do something"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from vpf_sim.geometry import project
-from vpf_sim.planning.lane.frame import Lane
+from vpf_sim.planning.paper.lane import Lane
 from vpf_sim.planning.paper.planner import PaperPlan
 from vpf_sim.reporting import overlay
 from vpf_sim.reporting.top_view import RADIUS, TOTAL

@@ -67,12 +67,7 @@ _REGISTRY: dict[str, _Entry] = {
     "vpf": _Entry(
         lambda: VisionDriver("robust"),
         "none",
-        "tracked obstacles and road, lateral cost, sliding mode (variant robust)",
-    ),
-    "vpf-scene": _Entry(
-        lambda: VisionDriver("scene"),
-        "none",
-        "a scene of road and tracks by camera, planned in space and time as expert plans",
+        "a scene of road and tracks by camera, planned in space and time, sliding mode (variant robust)",
     ),
     "vpf-paper": _Entry(
         lambda: VisionDriver("paper"), "none", "the paper's method with the fewest repairs that make it run"

@@ -3,5 +3,5 @@
 - planner: the planner of a variant
 - variant, variants: its configuration
 - paper: the potential fields, as printed and repaired
-- lane: the lateral cost, the path to its minimum, and the speed
+- scene_planner, spacetime: candidate motions in a field over space and time
 """

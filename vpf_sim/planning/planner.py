@@ -1,7 +1,6 @@
-"""The planner of a variant: the paper's, the lane planner, or the scene planner."""
+"""The planner of a variant: the paper's, or the scene planner."""
 
 from vpf_sim.driver_interface import DriverSetup
-from vpf_sim.planning.lane.planner import LanePlanner
 from vpf_sim.planning.paper.planner import PaperPlanner
 from vpf_sim.planning.planner_interface import Planner
 from vpf_sim.planning.variant import Variant
@@ -12,11 +11,9 @@ def create_planner(setup: DriverSetup, variant: Variant) -> Planner:
     """A new planner for one episode."""
     if variant.paper_planner is not None:
         return PaperPlanner(setup, variant.paper_planner)
-    assert variant.visibility is not None  # Variant has checked
+    assert variant.scene is not None  # Variant has checked
+    assert variant.visibility is not None
     in_sight = SpeedInSight(variant.visibility, setup)
-    if variant.scene is not None:
-        from vpf_sim.planning.scene_planner import ScenePlanner  # imports scipy.stats, which others do not need
+    from vpf_sim.planning.scene_planner import ScenePlanner  # imports scipy.stats, which others do not need
 
-        return ScenePlanner(setup, variant.scene, variant.road_edges.object_sizes, in_sight)
-    assert variant.lane_planner is not None  # Variant has checked
-    return LanePlanner(setup, variant.lane_planner, in_sight)
+    return ScenePlanner(setup, variant.scene, variant.road_edges.object_sizes, in_sight)

@@ -20,14 +20,12 @@ from vpf_sim.perception.obstacles.static_obstacle_settings import StaticObstacle
 from vpf_sim.perception.paper.paper_settings import ContactConfig, ObstacleMapConfig
 from vpf_sim.perception.plausible import PlausibilityConfig
 from vpf_sim.perception.road.road_settings import RoadEdgeConfig
-from vpf_sim.planning.lane.lane_settings import LanePlannerConfig
 from vpf_sim.planning.paper.planner import PaperPlannerConfig
 from vpf_sim.planning.visibility import VisibilityConfig
 from vpf_sim.scene.scene_settings import SceneConfig
 
 PACKAGE = "vpf_sim.planning.variants"
 BASE = "robust"
-PLANNERS = "paper_planner", "lane_planner", "scene"
 
 
 @settings
@@ -53,7 +51,7 @@ class FrameConfig:
 
 @settings
 class Variant:
-    """One section for each stage; the planner is `paper_planner`, `lane_planner` or `scene`."""
+    """One section for each stage; the planner is `paper_planner` or `scene`."""
 
     gains: str = setting("Set [gtsmc.NAME] of controllers/gains.toml that the controller uses.")
     frames: FrameConfig = setting("What is done about late and missing frames.")
@@ -77,17 +75,15 @@ class Variant:
     controller: ControllerConfig | None = setting("Changes of the gains.", default=None)
     paper_planner: PaperPlannerConfig | None = setting("The paper's potential fields.", default=None)
     visibility: VisibilityConfig | None = setting("Speed where little is seen.", default=None)
-    lane_planner: LanePlannerConfig | None = setting("Lateral cost, path and speed in the lane.", default=None)
 
     def __post_init__(self) -> None:
-        if sum(getattr(self, key) is not None for key in PLANNERS) != 1:
-            raise ValueError("expected exactly one of [paper_planner], [lane_planner] and [scene]")
-        for key in "lane_planner", "moving_obstacles", "crossing", "scene":
+        if (self.paper_planner is None) == (self.scene is None):
+            raise ValueError("expected exactly one of [paper_planner] and [scene]")
+        for key in "scene", "moving_obstacles", "crossing":
             if getattr(self, key) is not None and self.static_obstacles is None:
                 raise ValueError(f"[{key}] needs [static_obstacles]")
-        for key in "lane_planner", "scene":
-            if getattr(self, key) is not None and self.visibility is None:
-                raise ValueError(f"[{key}] needs [visibility]")
+        if self.scene is not None and self.visibility is None:
+            raise ValueError("[scene] needs [visibility]")
 
 
 SECTIONS = [key for key, hint in keys(Variant).items() if sections(hint)]

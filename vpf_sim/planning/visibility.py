@@ -53,10 +53,6 @@ class SpeedInSight:
         self._lost_m += way_m
         return min(allowed, config.lost_road_mps if self._lost_m < config.lost_road_m else 0.0)
 
-    def restart(self) -> None:
-        """Count the way without a road from here."""
-        self._lost_m = 0.0
-
 
 def speed_within_clear_distance(seen_m: LowObstacleRange, config: ClearDistanceConfig, setup: DriverSetup) -> float:
     """m/s at most by the assured clear distance; inf where it sets no limit.

@@ -13,7 +13,6 @@ from vpf_sim.drivers.learned.driver import OnnxDriver
 from vpf_sim.drivers.perceiver import Perceiver
 from vpf_sim.errors import InputError
 from vpf_sim.perception.road.road_settings import RoadEdgeConfig
-from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.planning.paper.planner import PaperPlan
 from vpf_sim.planning.planner import create_planner
 from vpf_sim.planning.scene_planner import ScenePlanner
@@ -183,7 +182,7 @@ class ModelVehicleDriver:
         half, middle = 0.5 * perception.road.lane_width_m, perception.road.lane_m
         road = replace(perception.road, left_m=middle - half, right_m=middle + half)
         extra = plan.extra
-        if isinstance(extra, LanePlan | PaperPlan):
+        if isinstance(extra, PaperPlan):
             extra = replace(extra, lane=replace(extra.lane, y_m=-middle))
         elif isinstance(extra, MotionPlan):
             extra = replace(extra, pose=perception.pose)

@@ -7,7 +7,6 @@ import cv2
 import numpy as np
 
 from vpf_sim.geometry import distort, wrap_angle
-from vpf_sim.planning.lane.planner import LanePlan
 from vpf_sim.planning.paper.planner import PaperPlan
 from vpf_sim.planning.spacetime.motion import MotionPlan
 from vpf_sim.reporting.canvas import INK, SHADE, Canvas, Colour
@@ -96,30 +95,20 @@ def _map_tint(canvas: Canvas, perception: Perception) -> None:
 
 
 def _road(canvas: Canvas, plan: Plan, road: RoadEdges) -> None:
-    """Draw the carriageway's edges and the planned path."""
+    """Draw the carriageway's edges, and the paper planner's way to the preferred position."""
     edges = [road_line(road, offset, ROAD_AHEAD_M) for offset in (road.left_m, road.right_m)]
     strokes = [_in_front(canvas, edge) for edge in edges]
     canvas.lines(strokes, SHADE, 4)
     canvas.lines(strokes, EDGE if road.confidence > 0.0 else UNKNOWN, 2)
-    middle = _planned_m(plan)
-    if middle is None:
+    if not isinstance(plan.extra, PaperPlan):
         return
+    middle = -plan.extra.lane.y_m
     share = np.clip((PATH_AHEAD_M - PATH_AHEAD_M[0]) / SHIFT_M, 0.0, 1.0)
     place = middle * share**2 * (3.0 - 2.0 * share)
     sides = [road_line(road, place + side * 0.5 * PATH_WIDTH_M, PATH_AHEAD_M) for side in (-1.0, 1.0)]
     left, right = (canvas.project(side) for side in sides)
     near = np.all(np.isfinite(left) & np.isfinite(right), axis=1)
     canvas.fill([np.concatenate([left[near], right[near][::-1]])], PATH, 0.5, top_opacity=0.15)
-
-
-def _planned_m(plan: Plan) -> float | None:
-    """The planned lateral position, m right of the pose; None for a plan without a lane frame."""
-    match plan.extra:
-        case LanePlan(lane=lane, reference_y_m=y_m):
-            return y_m - lane.y_m
-        case PaperPlan(lane=lane):
-            return -lane.y_m
-    return None
 
 
 def _in_front(canvas: Canvas, line_m: Floats) -> Floats:

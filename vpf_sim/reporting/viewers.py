@@ -15,9 +15,9 @@ from vpf_sim.evaluation.episode.episode import Watcher
 from vpf_sim.evaluation.steps import StepTable
 from vpf_sim.files import Draft
 from vpf_sim.geometry import distort
-from vpf_sim.planning.lane.planner import LanePlan
-from vpf_sim.reporting import plan_view
+from vpf_sim.planning.spacetime.motion import MotionPlan
 from vpf_sim.reporting.overlay import EDGE, OBSTACLE_LENGTH_M, ROAD_AHEAD_M, road_line, ttc_colour
+from vpf_sim.reporting.plan_view import PATH
 from vpf_sim.reporting.top_view import OBSTACLE, REFERENCE, ROAD, TARGET
 from vpf_sim.types import Camera, Floats, Force, Image, Perception, Plan, VehicleModel
 
@@ -63,8 +63,8 @@ class RerunLog:
         if plan is not None and plan.perception is not None:
             self._perceived(plan.perception)
             self._scene(plan.perception, plan.force)
-            if isinstance(plan.extra, LanePlan):
-                self._log("cost", self._picture(plan_view.draw(plan)))
+            if isinstance(plan.extra, MotionPlan):
+                self._log("scene/motion", self._rr.LineStrips2D([_up(plan.extra.points_m())], colors=[PATH]))
 
     def signals(self, time_s: Floats, columns: dict[str, Floats]) -> None:
         """Log (N,) values over time; nan and inf are left out."""

@@ -9,10 +9,11 @@ from math import cos, hypot, sin, sqrt
 import numpy as np
 
 from vpf_sim.driver_interface import Observation
-from vpf_sim.geometry import rotation, vehicle_from_world
+from vpf_sim.geometry import rotation, vehicle_from_world, wrap_angle
 from vpf_sim.perception.object_sizes import ObjectSizes
 from vpf_sim.perception.obstacles.point_motion import PointMotions
 from vpf_sim.perception.obstacles.prediction import none
+from vpf_sim.scene.bounds import ASIDE_M, bounded, plausible_obstacles, plausible_road
 from vpf_sim.scene.evidence import NO_EVIDENCE, Evidence
 from vpf_sim.scene.measurements import of_crossers, of_obstacles, support
 from vpf_sim.scene.road import Road
@@ -26,6 +27,7 @@ from vpf_sim.types import Bools, Camera, Floats, Obstacles, Perception, RoadEdge
 
 STEP_M = 0.5  # between the stations of the tables
 BEHIND_M, BENDS_M, AHEAD_M = 40.0, 40.0, 200.0  # of the tables; beyond BENDS_M the road goes straight on
+MOST_LANES = 12
 MOST_BEND = 0.8  # of 1 - d * curvature that the own place may take away
 OUT_OF_SIGHT = 0.02  # of what a track loses where it should be detected
 SIGHT_M, BEARING = (3.0, 20.0), 0.8  # where a track is expected to be detected; tangent of its bearing
@@ -52,7 +54,7 @@ class CameraScene:
     def observe(self, perception: Perception, observation: Observation, evidence: Evidence = NO_EVIDENCE) -> None:
         """Bring road and tracks to a processed frame."""
         s, _ = self.place(observation)
-        before, self.road = self.road, road_of(perception.road, observation.pose, s)
+        before, self.road = self.road, road_of(plausible_road(perception.road), observation.pose, s)
         dt_s = way_m = 0.0
         if before is not None and self._last is not None:
             dt_s = observation.time_s - self._last.time_s
@@ -60,7 +62,7 @@ class CameraScene:
             self._tracker.carry(before, self.road)
             self._tracker.predict(dt_s)
         self._last = observation
-        found = self._detections(perception.obstacles, observation, evidence, s)
+        found = self._detections(plausible_obstacles(perception.obstacles), observation, evidence, s)
         by_way, by_time = way_m / self._config.look_m, dt_s / self._config.look_s
         static = found.stands & (found.gain > 0.0)  # a car that stands sees them from one place
         fresh = np.minimum(np.where(static, by_way, max(by_way, by_time)), 1.0)
@@ -126,12 +128,12 @@ class CameraScene:
         return Obstacles(forward, right - half, right + half, sigma, ttc, identity, speed, existence)
 
     def place(self, observation: Observation) -> tuple[float, float]:
-        """s and d of the car, m, on the road as last perceived."""
+        """s and d of the car, m, on the road as last perceived; of a pose that jumps, at an end of its tables."""
         if self.road is None:
             return 0.0, 0.0
         s, d = self.road.place_at(np.array([observation.x_m]), np.array([observation.y_m]), np.array([self._s_m]))
-        self._s_m = float(s[0])
-        return self._s_m, float(d[0])
+        self._s_m = min(max(float(s[0]), float(self.road.station_m[0])), float(self.road.station_m[-1]))
+        return self._s_m, bounded(float(d[0]), ASIDE_M)
 
     def _mean_relief(self, obstacles: Obstacles, relief: Floats | None) -> Floats:
         """(K,) relief of obstacles over the last frames that showed it; 0 of those never shown."""
@@ -180,7 +182,7 @@ def road_of(edges: RoadEdges, pose: Floats, s_m: float) -> Road:
     station = np.arange(s_m - BEHIND_M, s_m + AHEAD_M, STEP_M)
     along = station - s_m
     bend = edges.curvature_per_m / max(1.0 - edges.curvature_per_m * edges.lane_m, 1.0 - MOST_BEND)
-    course, arc = float(pose[2]) + edges.heading_rad, np.minimum(along, BENDS_M)
+    course, arc = wrap_angle(float(pose[2]) + edges.heading_rad), np.minimum(along, BENDS_M)
     turned = bend * arc
     heading, beyond = course + turned, along - arc
     chord = arc * np.sinc(0.5 * turned / np.pi)
@@ -205,7 +207,7 @@ def road_of(edges: RoadEdges, pose: Floats, s_m: float) -> Road:
 
 def _lane_middles(left_m: float, right_m: float, width_m: float) -> Floats:
     """(L,) d of the middles of the lanes in our direction."""
-    count = max(round((right_m - left_m) / width_m), 1)
+    count = min(max(round((right_m - left_m) / width_m), 1), MOST_LANES)
     return left_m + (right_m - left_m) * (np.arange(count) + 0.5) / count
 
 

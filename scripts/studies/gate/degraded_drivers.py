@@ -141,5 +141,5 @@ DEGRADED = {
     "noisy flow": "degraded_drivers:NoisyFlow",
     "stale frames": "degraded_drivers:StaleFrames",
     "blind to low obstacles": f"vpf@{Path(__file__).with_name('blind_to_low_obstacles.toml')}",
-    "blind to moving cars": "vpf@lane_planner",
+    "blind to moving cars": "vpf@static_obstacles",
 }

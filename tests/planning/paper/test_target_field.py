@@ -8,7 +8,7 @@ import pytest
 from paper_planner import PAPER
 
 from vpf_sim.geometry import rotation
-from vpf_sim.planning.lane.frame import Lane
+from vpf_sim.planning.paper.lane import Lane
 from vpf_sim.planning.paper.target_field import force
 
 STRAIGHT = Lane(0.0, 5.25, -8.75, 0.0, 0.0)

@@ -5,8 +5,8 @@ from math import inf
 
 from vpf_sim.configuration import settings
 from vpf_sim.driver_interface import DriverSetup, Observation
-from vpf_sim.planning.lane.frame import Lane, locate
 from vpf_sim.planning.paper import obstacle_field, road_field, target_field, total_field
+from vpf_sim.planning.paper.lane import Lane, locate
 from vpf_sim.planning.paper.obstacle_field import ObstacleFieldConfig
 from vpf_sim.planning.paper.reference import HeadingReference, ReferenceConfig
 from vpf_sim.planning.paper.road_field import Bend, FoeBend, RoadFieldConfig

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from vpf_sim.configuration import setting, settings
-from vpf_sim.planning.lane.frame import Lane
+from vpf_sim.planning.paper.lane import Lane
 from vpf_sim.types import Floats
 
 

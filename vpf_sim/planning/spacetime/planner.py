@@ -24,6 +24,7 @@ BATCH = 200  # motions that are compared with the objects at a time
 ON_PLAN_M, ON_PLAN_MPS = 0.3, 0.7  # a car that is nearer to its plan goes on from the plan
 LARGEST_ANGLE_RAD = 0.9
 SLOW_MPS = 0.3  # below it the yaw rate tells nothing of the curvature
+SHARPEST_PER_M = 1.0  # of the own course; more is no car's
 CHANGE_S = 1.0  # ahead, at which a plan is compared with the last
 
 
@@ -103,6 +104,7 @@ class SpacetimePlanner:
         curvature = scene.road.direction_at(s)[1]
         angle = min(max(angle, -LARGEST_ANGLE_RAD), LARGEST_ANGLE_RAD)
         own = ego.yaw_rate_radps / ego.speed_mps if ego.speed_mps > SLOW_MPS else 0.0
+        own = min(max(own, -SHARPEST_PER_M), SHARPEST_PER_M)
         slope = tan(angle) * (1.0 - curvature * d)
         return PathState(s, d, slope, (own - curvature) / cos(angle) ** 3, ego.speed_mps, 0.0)
 

@@ -1,4 +1,4 @@
-"""Plans in space and time ten times a second, and follows the motion in between; `expert` and `vpf-scene` share it."""
+"""Plans in space and time ten times a second, and follows the motion in between; `expert` and `vpf` share it."""
 
 from vpf_sim.driver_interface import Observation
 from vpf_sim.planning.spacetime import settings

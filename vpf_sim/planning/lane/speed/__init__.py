@@ -1,1 +1,0 @@
-"""Speed limits: by bends and obstacles, and by the clear distance."""
