@@ -9,8 +9,7 @@ import pytest
 from driver_settings import ROBUST, unwrap
 
 from vpf_sim.driver_interface import DriverSetup
-from vpf_sim.planning.stopping_distance import stopping_speed, stopping_way
-from vpf_sim.planning.visibility import SpeedInSight, speed_within_clear_distance
+from vpf_sim.planning.visibility import SpeedInSight, speed_within_clear_distance, stopping_speed
 from vpf_sim.types import UNLIMITED, Camera, LowObstacleRange, RoadEdges, VehicleModel
 
 VISIBILITY = unwrap(ROBUST.visibility)
@@ -26,7 +25,7 @@ def driver_setup(speed_mps: float = 5.55) -> DriverSetup:
 @pytest.mark.parametrize("way_m", [0.0, 2.0, 8.0, 40.0])
 def test_the_car_stops_within_the_way(way_m: float) -> None:
     speed = stopping_speed(way_m, CONFIG.brake_mps2, CONFIG.reaction_s)
-    assert stopping_way(speed, CONFIG.brake_mps2, CONFIG.reaction_s) == pytest.approx(way_m)
+    assert speed * CONFIG.reaction_s + speed**2 / (2.0 * CONFIG.brake_mps2) == pytest.approx(way_m)
 
 
 def safe_speed(sight_m: float) -> float:

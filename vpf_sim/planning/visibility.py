@@ -6,11 +6,10 @@ both views. A reference speed far above what a good view allows is not limited: 
 obstacles.
 """
 
-from math import inf, isinf
+from math import inf, isinf, sqrt
 
 from vpf_sim.configuration import setting, settings
 from vpf_sim.driver_interface import DriverSetup
-from vpf_sim.planning.stopping_distance import stopping_speed
 from vpf_sim.types import LowObstacleRange, Perception
 
 
@@ -72,3 +71,8 @@ def speed_within_clear_distance(seen_m: LowObstacleRange, config: ClearDistanceC
         return inf
     share = safe(seen_m.now_m) / min(with_good_view, reference_mps)
     return max(min(share, 1.0) * reference_mps, config.cautious_mps)
+
+
+def stopping_speed(way_m: float, brake_mps2: float, reaction_s: float) -> float:
+    """m/s from which the car stands after a way v t + v^2 / (2 b); 0 where there is none."""
+    return brake_mps2 * (sqrt(reaction_s**2 + 2.0 * max(way_m, 0.0) / brake_mps2) - reaction_s)
