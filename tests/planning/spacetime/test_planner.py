@@ -137,3 +137,12 @@ def test_the_next_plan_goes_on_from_the_last() -> None:
     second = planner.plan(scene(on, seen, 1.0, d_m + 0.05, 5.4))
     assert (second.start.d_m, second.start.slope) == pytest.approx((d_m, slope))
     assert second.path.end_m[0] == pytest.approx(first.path.end_m[0], abs=0.6)
+
+
+def test_a_centimetre_that_is_lacking_beside_an_obstacle_costs_little() -> None:
+    """0.2 m are wanted. Were the cost to jump there, plans would end at each change of an obstacle's seen width."""
+    on = road()
+    enough, lacking = (
+        planned(on, tracks(on, (0.5, 1.9 + room_m, 0.0, 0.0, *CAR)), speed_mps=0.0).cost for room_m in (0.205, 0.195)
+    )
+    assert enough < lacking < 1.3 * enough
