@@ -6,6 +6,7 @@ import driver_settings
 import numpy as np
 import pytest
 from made_scene import LANE_M, road, scene
+from made_scene import tracks as made_tracks
 
 from vpf_sim.planning.spacetime import settings
 from vpf_sim.planning.spacetime.planner import SpacetimePlanner
@@ -25,16 +26,16 @@ def tracks(own_mps: float, seen_mps: float = TRAFFIC_MPS, seconds: float = 2.0, 
     return unseen.tracks(road(), EgoState(0.0, d_m, 0.0, own_mps, 0.0, 0.0, d_m), seconds)
 
 
-def test_a_car_that_is_slower_than_the_traffic_may_be_overtaken_in_each_other_lane() -> None:
+def test_a_car_that_is_slower_than_the_traffic_may_be_overtaken_in_each_lane_beside_it() -> None:
     found = tracks(2.0)
     np.testing.assert_allclose(np.unique(found.d_m), [-LANE_M, LANE_M])
     np.testing.assert_allclose(found.speed_mps, TRAFFIC_MPS)
     for d_m in (-LANE_M, LANE_M):
         begin, end = (found.x_m[found.d_m == d_m] + sign * 0.5 * found.length_m[0] for sign in (-1.0, 1.0))
-        assert begin.min() < -10.0
+        assert begin.min() < -5.0 * TRAFFIC_MPS, "who is beside it within a plan's five seconds"
         assert end.max() > 1.0
         assert (np.sort(begin)[1:] - np.sort(end)[:-1] < 4.5).all(), "no room for a car between them"
-    np.testing.assert_allclose(np.unique(tracks(2.0, d_m=LANE_M).d_m), [-LANE_M, 0.0])
+    np.testing.assert_allclose(np.unique(tracks(2.0, d_m=LANE_M).d_m), [0.0])
 
 
 def test_vehicles_that_the_car_has_overtaken_must_catch_up() -> None:
@@ -72,6 +73,30 @@ def test_a_car_that_stands_aslant_may_go_on_in_its_lane() -> None:
     here = scene(on, tracks(0.3), 0.0, -0.7, 0.3)
     aslant = replace(here, ego=here.ego._replace(yaw_rad=-0.17))
     assert planner.plan(aslant).speed_at(4.0) > 3.0
+
+
+def test_it_waits_straight_in_its_lane_behind_what_has_stopped() -> None:
+    """The traffic could overtake it at any time: it does not begin to turn out, little by little, while it waits."""
+    on, planner, unseen = (
+        road(),
+        SpacetimePlanner(settings.load(), VehicleModel()),
+        UnseenTraffic(driver_settings.scene().unseen),
+    )
+    stopped, now, stood_s = made_tracks(on, (28.0, 0.0, 0.0, 0.0, 4.5, 1.9)), scene(on, made_tracks(on)), 0.0
+    while stood_s < 3.0:
+        assert now.time_s < 20.0
+        unseen.update(now.time_s, now.ego.speed_mps, {7: 9.0})
+        motion = planner.plan(replace(now, tracks=stopped.joined(unseen.tracks(on, now.ego, now.time_s))))
+        time_s = now.time_s + 0.1
+        s_m, speed_mps = motion.s_at(time_s), motion.speed_at(time_s)
+        d_m, slope, _ = motion.path_at(s_m)
+        yaw_rad = np.arctan(slope)
+        s_m, d_m = s_m + VehicleModel().l_r_m * np.cos(yaw_rad), d_m + VehicleModel().l_r_m * np.sin(yaw_rad)
+        now = replace(now, time_s=time_s, ego=scene(on, stopped, s_m, d_m, speed_mps).ego._replace(yaw_rad=yaw_rad))
+        stood_s = stood_s + 0.1 if speed_mps < 0.3 else 0.0
+    assert abs(now.ego.d_m) < 0.2
+    assert abs(now.ego.yaw_rad) < 0.05
+    assert 28.0 - 4.5 - now.ego.s_m > 1.5
 
 
 @pytest.mark.parametrize(

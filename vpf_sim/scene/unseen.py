@@ -1,12 +1,12 @@
 """What may drive where a camera that looks forward sees nothing: beside the car and behind it.
 
-A car that is slower than the traffic is overtaken. So where traffic was seen, a vehicle may drive in each other lane,
-beside or behind, at the traffic's speed, and a lane change may cut it off. Vehicles that the car has overtaken must
-catch up first. A car that has stood for some seconds no longer waits.
+A car that is slower than the traffic is overtaken. So where traffic was seen, one vehicle after the other may come in
+each lane beside the car, at the traffic's speed, and a lane change may cut one off. Vehicles that the car has overtaken
+must catch up first. A car that has stood for some seconds no longer waits.
 """
 
 from collections.abc import Mapping
-from math import inf
+from math import ceil, inf
 
 import numpy as np
 
@@ -15,9 +15,10 @@ from vpf_sim.scene.scene import EgoState
 from vpf_sim.scene.scene_settings import UnseenConfig
 from vpf_sim.scene.tracks import Tracks
 
-PLACES_M, LENGTH_M = (-9.0, -1.5), 6.0  # from the car's middle to those of vehicles beside and behind
+BESIDE_M, EVERY_M, LENGTH_M = -3.0, 12.0, 9.0  # from the car's middle to the first one's; no car fits between two
+COMING_S = 5.0  # for which they come, at least as long as a plan reaches
 WIDTH_M = 1.0  # enough to keep the car out of the lane
-IN_LANE = 0.6  # of a lane's width: a car that is nearer to a lane's middle is in it
+IN_LANE, NEXT_LANE = 0.6, 1.6  # of a lane's width, from its middle: a car that is nearer is in it, or in the next
 STANDING_MPS, DRIVING_MPS = 0.3, 2.0  # a car that has begun to drive goes on
 SURE_S = 1.0  # for which a track has been traffic before it counts: drops and paint are so for a moment
 
@@ -53,14 +54,16 @@ class UnseenTraffic:
         return time_s - self._seen_s < self._config.remembered_s
 
     def tracks(self, road: Road, ego: EgoState, time_s: float) -> Tracks:
-        """Tracks beside and behind in each other lane of our direction while the car is slower than the traffic."""
+        """Tracks in the lanes of our direction that are next to the car's, while it is slower than the traffic."""
         lanes = road.lanes_at(np.array([ego.s_m]))[:, 0]
-        others = lanes[np.abs(lanes - ego.d_m) > IN_LANE * road.lane_width_m]
+        away = np.abs(lanes - ego.d_m) / road.lane_width_m
+        others = lanes[(away > IN_LANE) & (away < NEXT_LANE)]
         waits = self._is_recent(time_s) and self._stood_s < self._config.patience_s
         if not waits or ego.speed_mps > self._config.slower_share * self._speed_mps:
             others = others[:0]
-        others, places = (grid.ravel() for grid in np.meshgrid(others, PLACES_M))
-        s, same = ego.s_m + places - self._ahead_m, np.ones(len(others))
+        behind_m = EVERY_M * np.arange(1 + ceil(COMING_S * self._speed_mps / EVERY_M))
+        others, behind_m = (grid.ravel() for grid in np.meshgrid(others, behind_m))
+        s, same = ego.s_m + BESIDE_M - behind_m - self._ahead_m, np.ones(len(others))
         x, y, heading = road.world(s, others)
         return Tracks(
             x, y, heading, self._speed_mps * same, 0.0 * same, LENGTH_M * same, WIDTH_M * same,
