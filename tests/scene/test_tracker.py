@@ -252,3 +252,18 @@ def test_places_stay_in_the_world_when_the_road_is_estimated_anew() -> None:
     tracker.carry(straight, bend)
     after = bend.world(*tracker.table.state[:, :2].T)
     np.testing.assert_allclose(after[:2], before[:2], atol=2e-3)
+
+
+@pytest.mark.parametrize(("width_m", "stays"), [(5.5, True), (1.8, False)])
+def test_two_that_are_seen_as_one_are_both_still_there(width_m: float, stays: bool) -> None:
+    """Cars at d = -1.5 and 1.5, later found as one face of 5.5 m around 0; a narrow one between them is no proof."""
+    tracker = track(Motion(8.0, -1.5), Motion(8.0, 1.5), seconds=2.0)
+    known = set(tracker.table.identity[tracker.reported].tolist())
+    assert len(known) == 2
+    for _ in range(20):
+        one = detected([np.array([8.0, 0.0, 0.0, 0.0])], np.random.Generator(np.random.PCG64(1)))
+        one.state[:, 2:], one.width_m[:] = 0.0, width_m
+        tracker.predict(1.0 / RATE_HZ)
+        tracker.table.loss_per_s[:] = 20.0
+        tracker.update(one, 0.0, np.full(len(tracker.table), 0.05), 0.0)
+    assert (known <= set(tracker.table.identity[tracker.reported].tolist())) == stays

@@ -27,6 +27,7 @@ DISTANCE_SHARE = 0.5  # of the own speed, along
 CROSSES_MPS = 0.6  # across, and more than along
 DRIVES_MPS, ALONG_SHARE, VEHICLE_M = 1.5, 0.3, (3.0, 1.2)  # of traffic: speed, share of it across, size
 LEFT_M, MOVED_LOSS_PER_S = 3.0, 2.0  # what stands so near to where it is now is what it was
+AS_FAR_M, MUCH_WIDER = 1.0, 1.5  # neighbours that are seen as one: distance along, and width by a neighbour's
 VAGUE_M = 5.0  # or whose place is known no better
 IN_VIEW_M = 3.0  # ahead, from which a face's size is seen; what is passed keeps the size that it had
 
@@ -118,7 +119,7 @@ class SceneTracker:
         found, fresh = found.chosen(current), np.broadcast_to(fresh, len(found))[current]
         track, detection = self._associate(found)
         table = self.table
-        undetected = np.ones(len(table), np.bool_)
+        undetected = ~self._covered(found)
         undetected[track] = False
         table.gain[undetected] -= (in_sight_s * table.loss_per_s)[undetected]
         if len(track):
@@ -169,6 +170,15 @@ class SceneTracker:
         track, detection = linear_sum_assignment(cost)
         kept = possible[track, detection]
         return track[kept], detection[kept]
+
+    def _covered(self, found: Detections) -> Bools:
+        """(K,) tracks that stand where one of the detections that stand is: neighbours that are now seen as one."""
+        table = self.table
+        stands = found.chosen(found.stands & (found.gain > 0.0))
+        apart = np.abs(table.state[:, None, :2] - stands.state[:, :2])
+        covers = (apart[..., 0] < AS_FAR_M) & (apart[..., 1] < 0.5 * stands.width_m)
+        covers &= stands.width_m > MUCH_WIDER * table.width_m[:, None]
+        return np.asarray(table.slow & covers.any(axis=1))
 
     def _correct(self, rows: Integers, found: Detections, fresh: Floats, ego_s_m: float) -> None:
         """Kalman update of some tracks by a detection each."""
