@@ -37,6 +37,14 @@ def test_points_above_the_road_speak_for_an_obstacle_and_paint_against_it() -> N
     assert support(obstacle(6.0), points(there + 4.0, 0.3), CAMERA_M, SPEED_MPS, CONFIG)[0] < -0.5
 
 
+def test_what_has_left_the_view_beside_the_car_is_no_evidence_of_paint() -> None:
+    """A face from 2.6 to 8 m aside, 5 m ahead: a quarter of it is within the view, and no points are found."""
+    aside, one = obstacle(5.0), np.ones(1)
+    beside = Obstacles(aside.forward_m, 2.6 * one, 8.0 * one, aside.sigma_m, one, aside.identity)
+    ahead = support(aside, points(np.full(4, 5.0), 0.0), CAMERA_M, SPEED_MPS, CONFIG)[0]
+    assert 0.35 * ahead < support(beside, points(np.full(4, 5.0), 0.0), CAMERA_M, SPEED_MPS, CONFIG)[0] < 0.0
+
+
 @pytest.mark.parametrize(("forward_m", "speed_mps"), [(2.0, SPEED_MPS), (12.0, SPEED_MPS), (6.0, 0.0)])
 def test_a_place_without_measured_heights_tells_nothing(forward_m: float, speed_mps: float) -> None:
     assert np.isnan(support(obstacle(forward_m), points(np.full(4, forward_m), 0.0), CAMERA_M, speed_mps, CONFIG)[0])

@@ -15,7 +15,7 @@ from vpf_sim.perception.obstacles.point_motion import PointMotions
 from vpf_sim.perception.obstacles.prediction import none
 from vpf_sim.scene.bounds import ASIDE_M, bounded, plausible_obstacles, plausible_road
 from vpf_sim.scene.evidence import NO_EVIDENCE, Evidence
-from vpf_sim.scene.measurements import of_crossers, of_obstacles, support
+from vpf_sim.scene.measurements import BEARING, of_crossers, of_obstacles, support
 from vpf_sim.scene.road import Road
 from vpf_sim.scene.scene import EgoState, Scene
 from vpf_sim.scene.scene_settings import SceneConfig
@@ -30,7 +30,7 @@ BEHIND_M, BENDS_M, AHEAD_M = 40.0, 40.0, 200.0  # of the tables; beyond BENDS_M 
 MOST_LANES = 12
 MOST_BEND = 0.8  # of 1 - d * curvature that the own place may take away
 OUT_OF_SIGHT = 0.02  # of what a track loses where it should be detected
-SIGHT_M, BEARING = (3.0, 20.0), 0.8  # where a track is expected to be detected; tangent of its bearing
+SIGHT_M = (3.0, 20.0)  # where a track is expected to be detected, within the bearing
 STANDING_SIGMAS = 1.0  # a track whose velocity is not surely more stands
 ACTOR_M = np.array([2.5, 1.5])  # along and across: what stands so near to an actor that crosses is the actor
 NEWEST = 0.5  # of the mean relief

@@ -17,6 +17,7 @@ HEIGHT_M, HEIGHT_SIGMA_M = 0.06, 0.06  # of a point that supports an obstacle
 CHI2, CHI2_MARGIN = 9.0, 12.0  # of it as a static point, at most, and how much more on the road
 BEFORE_M, BEHIND_M, ASIDE_M = 0.6, 1.5, 0.3  # of its face and beside it, where such points are
 SUPPORT_M = (3.0, 8.0)  # where they are expected, from the pose
+BEARING = 0.8  # tangent of the angle from the course, up to which obstacles show
 STANDING_MPS = 0.5  # a slower car finds no heights
 ROW_M, ROW_GAP_M = 3.0, 0.6  # along and across, between faces that may be one vehicle's
 BESIDE_M = 3.0  # from the edges, where actors that cross may come from
@@ -72,7 +73,8 @@ def support(
 ) -> Floats:
     """(K,) log-odds by the number of points above the road on static obstacles; nan where none are expected.
 
-    Poisson likelihoods of an obstacle and of paint, which lies in the plane.
+    Poisson likelihoods of an obstacle and of paint, which lies in the plane; of an obstacle that is partly out of view
+    fewer points are expected.
     """
     with np.errstate(invalid="ignore"):
         above = (points.height_m > HEIGHT_M) & (points.height_sigma_m < HEIGHT_SIGMA_M)
@@ -83,7 +85,10 @@ def support(
     there &= (right > obstacles.left_m[:, None] - ASIDE_M) & (right < obstacles.right_m[:, None] + ASIDE_M)
     count = np.count_nonzero(there, axis=1)
     expected, mistaken = config.obstacle_points, config.paint_points
-    odds = config.points_share * (count * np.log(expected / mistaken) - (expected - mistaken))
+    view_m = BEARING * obstacles.forward_m
+    in_view = np.minimum(obstacles.right_m, view_m) - np.maximum(obstacles.left_m, -view_m)
+    share = np.clip(in_view / obstacles.width_m, 0.0, 1.0)
+    odds = config.points_share * (count * np.log(expected / mistaken) - share * (expected - mistaken))
     visible = (obstacles.forward_m > SUPPORT_M[0]) & (obstacles.forward_m < SUPPORT_M[1]) & (own_mps > STANDING_MPS)
     return np.where(visible, np.minimum(odds, config.points_most), np.nan)
 
