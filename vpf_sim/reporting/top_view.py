@@ -18,7 +18,6 @@ MARKING: Colour = (150, 155, 160)
 OBJECT: Colour = (214, 120, 92)
 EGO: Colour = (92, 176, 255)
 EGO_SIZE_M = (4.5, 1.9)
-DASH_M, GAP_M = 3.0, 6.0
 TARGET: Colour = (98, 214, 124)
 OBSTACLE: Colour = (255, 92, 72)
 ROAD: Colour = (92, 176, 255)

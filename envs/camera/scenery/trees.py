@@ -24,7 +24,6 @@ RANGE_M = 100.0  # drawing range
 HEIGHTS_SEEN = 30.0  # and at most this many heights of the kind
 FADED_IN = 0.72  # share of the range at which trees are opaque
 HAZE_STEP_M = 0.5  # distance step of haze and fading
-FADED_PICTURES = 512  # cached hazed images
 CLEAR_TRANSMISSION = 0.97  # haze with a higher transmission is left out
 NOON = 0.85  # shading of the crown in the images
 LOWEST_SUN = 0.1  # lowest sine of the altitude for shadow lengths

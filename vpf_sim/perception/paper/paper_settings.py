@@ -33,11 +33,6 @@ class RegionConfig:
         if not self.height_m[0] < self.height_m[1]:
             raise ValueError(f"height_m: expected the lower limit first, got {list(self.height_m)}")
 
-    @property
-    def needs_depth(self) -> bool:
-        """Whether the region depends on the points' time to contact."""
-        return self.shape in ("road_corridor", "horizon_corridor")
-
 
 @settings
 class ObstacleMapConfig:
