@@ -49,18 +49,20 @@ def motions(road: Road, start: PathState, paths: Paths, profiles: Profiles, vehi
     heading, bend = (values.astype(np.float32) for values in (here.heading_rad, here.curvature_per_m))
     d, slope, second = paths.at(s.astype(np.float32))
     stretch = np.maximum(1.0 - bend * d, LEAST_STRETCH)
-    course = np.arctan(slope / stretch)
-    half_width = 0.5 * (vehicle.length_m * np.abs(np.sin(course)) + vehicle.width_m * np.cos(course))
-    forward, right = vehicle.l_r_m * np.cos(course), d + vehicle.l_r_m * np.sin(course)  # of the middle, by the road
+    turn = slope / stretch
+    cosine = 1.0 / np.sqrt(1.0 + turn**2)  # of the course
+    sine = turn * cosine
+    half_width = 0.5 * (vehicle.length_m * np.abs(sine) + vehicle.width_m * cosine)
+    forward, right = vehicle.l_r_m * cosine, d + vehicle.l_r_m * sine  # of the middle, by the road
     x = rear_x + forward * np.cos(heading) - right * np.sin(heading)
     y = rear_y + forward * np.sin(heading) + right * np.cos(heading)
     beside_s = s + vehicle.l_r_m
     middle = right - 0.5 * bend * forward**2
     left, right_edge, own_left = (values.astype(np.float32) for values in road.at(beside_s)[4:])
     return Motions(
-        origin, x, y, heading + course,
+        origin, x, y, heading + np.arctan(turn),
         profiles.speed_mps[None].astype(np.float32), profiles.acceleration_mps2[None].astype(np.float32),
-        middle, path_curvature(slope, second, bend, stretch), half_width,
+        middle, path_curvature(turn, second, bend, stretch), half_width,
         left, right_edge, own_left, _lane_offset(road, beside_s, middle),
     )  # fmt: skip
 
@@ -74,12 +76,13 @@ def rear_axle(road: Road, s_m: float, d_m: float, yaw_rad: float, vehicle: Vehic
     return s_m - along, d_m - vehicle.l_r_m * sin(course) + 0.5 * bend * along**2, course
 
 
-def path_curvature(slope: Real, second: Real, road_per_m: Real, stretch: Real) -> Real:
+def path_curvature(turn: Real, second: Real, road_per_m: Real, stretch: Real) -> Real:
     """1/m, of a path d(s) beside a road of a curvature; the road's change of curvature is left out.
 
-    Werling et al. 2010, appendix I, with stretch = 1 - d * road curvature.
+    Werling et al. 2010, appendix I, with stretch = 1 - d * road curvature, and turn = (d d / d s) / stretch, the
+    tangent of the angle to the road.
     """
-    square = 1.0 + (slope / stretch) ** 2
+    square = 1.0 + turn**2
     curvature: Real = (second / stretch**2 + road_per_m / stretch * (2.0 * square - 1.0)) / (square * np.sqrt(square))
     return curvature
 

@@ -54,4 +54,5 @@ def _curvature(motion: Motion, road: Road, s_m: float) -> float:
     """1/m, of the motion's path in the world at s."""
     d, slope, second = motion.path_at(s_m)
     bend = road.direction_at(s_m)[1]
-    return path_curvature(slope, second, bend, max(1.0 - bend * d, LEAST_STRETCH))
+    stretch = max(1.0 - bend * d, LEAST_STRETCH)
+    return path_curvature(slope / stretch, second, bend, stretch)
