@@ -18,6 +18,7 @@ CHI2, CHI2_MARGIN = 9.0, 12.0  # of it as a static point, at most, and how much 
 BEFORE_M, BEHIND_M, ASIDE_M = 0.6, 1.5, 0.3  # of its face and beside it, where such points are
 SUPPORT_M = (3.0, 8.0)  # where they are expected, from the pose
 BEARING = 0.8  # tangent of the angle from the course, up to which obstacles show
+LEAST_WIDTH_M = 0.1
 STANDING_MPS = 0.5  # a slower car finds no heights
 ROW_M, ROW_GAP_M = 3.0, 0.6  # along and across, between faces that may be one vehicle's
 BESIDE_M = 3.0  # from the edges, where actors that cross may come from
@@ -87,9 +88,14 @@ def support(
     expected, mistaken = config.obstacle_points, config.paint_points
     view_m = BEARING * obstacles.forward_m
     in_view = np.minimum(obstacles.right_m, view_m) - np.maximum(obstacles.left_m, -view_m)
-    share = np.clip(in_view / obstacles.width_m, 0.0, 1.0)
+    share = np.clip(in_view / np.maximum(obstacles.width_m, LEAST_WIDTH_M), 0.0, 1.0)
     odds = config.points_share * (count * np.log(expected / mistaken) - share * (expected - mistaken))
-    visible = (obstacles.forward_m > SUPPORT_M[0]) & (obstacles.forward_m < SUPPORT_M[1]) & (own_mps > STANDING_MPS)
+    visible = (
+        (share > 0.0)
+        & (obstacles.forward_m > SUPPORT_M[0])
+        & (obstacles.forward_m < SUPPORT_M[1])
+        & (own_mps > STANDING_MPS)
+    )
     return np.where(visible, np.minimum(odds, config.points_most), np.nan)
 
 

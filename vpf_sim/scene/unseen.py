@@ -6,7 +6,7 @@ must catch up first. A car that has stood for some seconds no longer waits.
 """
 
 from collections.abc import Mapping
-from math import ceil, inf
+from math import inf
 
 import numpy as np
 
@@ -15,8 +15,9 @@ from vpf_sim.scene.scene import EgoState
 from vpf_sim.scene.scene_settings import UnseenConfig
 from vpf_sim.scene.tracks import Tracks
 
-BESIDE_M, EVERY_M, LENGTH_M = -3.0, 12.0, 9.0  # from the car's middle to the first one's; no car fits between two
-COMING_S = 5.0  # for which they come, at least as long as a plan reaches
+FRONT_M, GAP_M, LEAST_EVERY_M = 1.5, 3.0, 12.0  # the first one's front, from the car's middle; no car fits in a gap
+COMING_S, COUNT = 5.0, 6  # for which they come, at least as long as a plan reaches; faster ones are longer
+FASTEST_MPS = 60.0  # more is no vehicle's
 WIDTH_M = 1.0  # enough to keep the car out of the lane
 IN_LANE, NEXT_LANE = 0.6, 1.6  # of a lane's width, from its middle: a car that is nearer is in it, or in the next
 STANDING_MPS, DRIVING_MPS = 0.3, 2.0  # a car that has begun to drive goes on
@@ -61,11 +62,12 @@ class UnseenTraffic:
         waits = self._is_recent(time_s) and self._stood_s < self._config.patience_s
         if not waits or ego.speed_mps > self._config.slower_share * self._speed_mps:
             others = others[:0]
-        behind_m = EVERY_M * np.arange(1 + ceil(COMING_S * self._speed_mps / EVERY_M))
-        others, behind_m = (grid.ravel() for grid in np.meshgrid(others, behind_m))
-        s, same = ego.s_m + BESIDE_M - behind_m - self._ahead_m, np.ones(len(others))
+        every_m = max(COMING_S * min(self._speed_mps, FASTEST_MPS) / (COUNT - 1), LEAST_EVERY_M)
+        length_m = every_m - GAP_M
+        others, behind_m = (grid.ravel() for grid in np.meshgrid(others, every_m * np.arange(COUNT)))
+        s, same = ego.s_m + FRONT_M - 0.5 * length_m - behind_m - self._ahead_m, np.ones(len(others))
         x, y, heading = road.world(s, others)
         return Tracks(
-            x, y, heading, self._speed_mps * same, 0.0 * same, LENGTH_M * same, WIDTH_M * same,
+            x, y, heading, self._speed_mps * same, 0.0 * same, length_m * same, WIDTH_M * same,
             s, others, same, np.zeros((len(others), 4, 4)), -1 - np.arange(len(others)),
         )  # fmt: skip

@@ -59,7 +59,7 @@ def road_potential(cost: CostSettings, motions: Motions, overhang_m: float) -> R
     room = np.maximum(room_m(motions, overhang_m), 0.0)
     edges = cost.edge * np.exp(-room / np.float32(cost.edge_scale_m)).mean(axis=2)
     lanes = cost.lane * (motions.lane_offset_m**2).mean(axis=2)
-    over = np.clip(motions.own_left_m - motions.d_m + motions.half_width_m, 0.0, MOST_ONCOMING_M)
+    over = np.clip(motions.own_left_m - motions.leftmost_m, 0.0, MOST_ONCOMING_M)
     return np.asarray(edges + lanes + cost.oncoming * over.mean(axis=2), np.float32)
 
 

@@ -33,8 +33,7 @@ def prices(settings: LimitSettings, motions: Motions, times_s: Reals, overhang_m
 
 def room_m(motions: Motions, overhang_m: float) -> Reals:
     """(P, M, T) m between the car's side and the nearer edge; < 0 beyond it."""
-    left = motions.d_m - motions.half_width_m - motions.left_m
-    right = motions.right_m - motions.d_m - motions.half_width_m
+    left, right = motions.leftmost_m - motions.left_m, motions.right_m - motions.rightmost_m
     return np.minimum(left, right) + np.float32(overhang_m)
 
 

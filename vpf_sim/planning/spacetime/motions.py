@@ -6,7 +6,7 @@ Martin, Rouchon 1995, doi:10.1080/00207179508921959).
 """
 
 from dataclasses import dataclass
-from math import cos, sin
+from math import cos, sin, sqrt
 from typing import TypeVar
 
 import numpy as np
@@ -33,8 +33,9 @@ class Motions:
     acceleration_mps2: Reals  # (1, M, T)
     d_m: Reals  # (P, M, T) of the car's middle
     curvature_per_m: Reals  # (P, M, T) of the rear axle's path
-    half_width_m: Reals  # (P, M, T) of the body across the road
-    left_m: Reals  # (1, M, T) the road's left edge beside the car's middle
+    leftmost_m: Reals  # (P, M, T) d of the body's corners
+    rightmost_m: Reals
+    left_m: Reals  # (1, M, T) the road's left edge where the car's middle is, about: edges change little by little
     right_m: Reals
     own_left_m: Reals
     lane_offset_m: Reals  # (P, M, T) from the middle of the nearest lane
@@ -52,28 +53,44 @@ def motions(road: Road, start: PathState, paths: Paths, profiles: Profiles, vehi
     turn = slope / stretch
     cosine = 1.0 / np.sqrt(1.0 + turn**2)  # of the course
     sine = turn * cosine
-    half_width = 0.5 * (vehicle.length_m * np.abs(sine) + vehicle.width_m * cosine)
     forward, right = vehicle.l_r_m * cosine, d + vehicle.l_r_m * sine  # of the middle, by the road
     x = rear_x + forward * np.cos(heading) - right * np.sin(heading)
     y = rear_y + forward * np.sin(heading) + right * np.cos(heading)
     beside_s = s + vehicle.l_r_m
-    middle = right - 0.5 * bend * forward**2
+    away = 0.5 * bend / stretch * cosine**2  # 1/m: so much the road bends away from the body
+    middle = right - away * vehicle.l_r_m**2
+    front, back, half = vehicle.l_r_m + 0.5 * vehicle.length_m, vehicle.l_r_m - 0.5 * vehicle.length_m, 0.5 * cosine
+    ends = d + sine * front - away * front**2, d + sine * back - away * back**2
     left, right_edge, own_left = (values.astype(np.float32) for values in road.at(beside_s)[4:])
     return Motions(
         origin, x, y, heading + np.arctan(turn),
         profiles.speed_mps[None].astype(np.float32), profiles.acceleration_mps2[None].astype(np.float32),
-        middle, path_curvature(turn, second, bend, stretch), half_width,
+        middle, path_curvature(turn, second, bend, stretch),
+        np.minimum(*ends) - half * vehicle.width_m, np.maximum(*ends) + half * vehicle.width_m,
         left, right_edge, own_left, _lane_offset(road, beside_s, middle),
     )  # fmt: skip
 
 
 def rear_axle(road: Road, s_m: float, d_m: float, yaw_rad: float, vehicle: VehicleModel) -> tuple[float, float, float]:
-    """s and d, m, of a car's rear axle, and the car's heading from the road's, from the place of its middle."""
-    course = wrap_angle(yaw_rad - road.direction_at(s_m - vehicle.l_r_m)[0])
-    along = vehicle.l_r_m * cos(course)
-    heading, bend = road.direction_at(s_m - along)
+    """s and d, m, of a car's rear axle, and the car's heading from the road's there, from the place of its middle."""
+    heading, bend = road.direction_at(s_m)
     course = wrap_angle(yaw_rad - heading)
-    return s_m - along, d_m - vehicle.l_r_m * sin(course) + 0.5 * bend * along**2, course
+    right_m = d_m - vehicle.l_r_m * sin(course)
+    stretch = max(1.0 - bend * right_m, LEAST_STRETCH)
+    back_m = vehicle.l_r_m * cos(course)
+    s = s_m - back_m / stretch
+    return s, right_m - 0.5 * bend / stretch * back_m**2, wrap_angle(yaw_rad - road.direction_at(s)[0])
+
+
+def rear_speed(speed_mps: float, yaw_rate_radps: float, vehicle: VehicleModel) -> float:
+    """m/s of the rear axle, which does not slip sideways, from the speed of the car's middle."""
+    return sqrt(max(speed_mps**2 - (vehicle.l_r_m * yaw_rate_radps) ** 2, 0.0))
+
+
+def path_second(turn: float, curvature_per_m: float, road_per_m: float, stretch: float) -> float:
+    """1/m, d^2 d / d s^2 of a path of a curvature: the inverse of `path_curvature`."""
+    square = 1.0 + turn**2
+    return stretch**2 * curvature_per_m * square**1.5 - stretch * road_per_m * (2.0 * square - 1.0)
 
 
 def path_curvature(turn: Real, second: Real, road_per_m: Real, stretch: Real) -> Real:

@@ -5,7 +5,7 @@ candidates -> limits -> field of road, target and comfort -> objects in space an
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import cos, tan
+from math import atan, tan
 
 import numpy as np
 
@@ -14,14 +14,14 @@ from vpf_sim.planning.spacetime.candidates import Paths, PathState, Profiles
 from vpf_sim.planning.spacetime.field import ending_lanes, field
 from vpf_sim.planning.spacetime.limits import REJECTED
 from vpf_sim.planning.spacetime.motion import Motion, Rejected
-from vpf_sim.planning.spacetime.motions import Motions, motions, rear_axle
+from vpf_sim.planning.spacetime.motions import LEAST_STRETCH, Motions, motions, path_second, rear_axle, rear_speed
 from vpf_sim.planning.spacetime.obstacles import ObstaclePotential
 from vpf_sim.planning.spacetime.settings import SpacetimeSettings
 from vpf_sim.scene import Scene, predict
 from vpf_sim.types import Reals, VehicleModel
 
 BATCH = 200  # motions that are compared with the objects at a time
-ON_PLAN_M, ON_PLAN_MPS = 0.3, 0.7  # a car that is nearer to its plan goes on from the plan
+ON_PLAN_M, ON_PLAN_RAD, ON_PLAN_MPS = 0.3, 0.1, 0.7  # a car that is nearer to its plan goes on from the plan
 LARGEST_ANGLE_RAD = 0.9
 SLOW_MPS = 0.3  # below it the yaw rate tells nothing of the curvature
 SHARPEST_PER_M = 1.0  # of the own course; more is no car's
@@ -86,10 +86,11 @@ class SpacetimePlanner:
         ego, last, measured = scene.ego, self.motion, self._measured(scene)
         if last is None:
             return measured
-        s, own_d, _ = rear_axle(scene.road, ego.s_m, ego.d_m, ego.yaw_rad, self._vehicle)
+        s, own_d, angle = rear_axle(scene.road, ego.s_m, ego.d_m, ego.yaw_rad, self._vehicle)
         d, slope, bend = last.path_at(s)
+        turned = abs(angle - atan(slope / max(1.0 - scene.road.direction_at(s)[1] * d, LEAST_STRETCH)))
         speed = last.speed_at(scene.time_s)
-        if abs(own_d - d) > ON_PLAN_M or abs(ego.speed_mps - speed) > ON_PLAN_MPS:
+        if abs(own_d - d) > ON_PLAN_M or turned > ON_PLAN_RAD or abs(ego.speed_mps - speed) > ON_PLAN_MPS:
             return measured
         limit = self._settings.limits
         acceleration = min(max(last.acceleration_at(scene.time_s), -limit.deceleration_mps2), limit.acceleration_mps2)
@@ -101,12 +102,13 @@ class SpacetimePlanner:
         """The rear axle's own state on the road."""
         ego = scene.ego
         s, d, angle = rear_axle(scene.road, ego.s_m, ego.d_m, ego.yaw_rad, self._vehicle)
-        curvature = scene.road.direction_at(s)[1]
-        angle = min(max(angle, -LARGEST_ANGLE_RAD), LARGEST_ANGLE_RAD)
-        own = ego.yaw_rate_radps / ego.speed_mps if ego.speed_mps > SLOW_MPS else 0.0
+        bend = scene.road.direction_at(s)[1]
+        stretch = max(1.0 - bend * d, LEAST_STRETCH)
+        turn = tan(min(max(angle, -LARGEST_ANGLE_RAD), LARGEST_ANGLE_RAD))
+        speed = rear_speed(ego.speed_mps, ego.yaw_rate_radps, self._vehicle)
+        own = ego.yaw_rate_radps / speed if speed > SLOW_MPS else 0.0
         own = min(max(own, -SHARPEST_PER_M), SHARPEST_PER_M)
-        slope = tan(angle) * (1.0 - curvature * d)
-        return PathState(s, d, slope, (own - curvature) / cos(angle) ** 3, ego.speed_mps, 0.0)
+        return PathState(s, d, turn * stretch, path_second(turn, own, bend, stretch), ego.speed_mps, 0.0)
 
     def _changes(self, scene: Scene, start: PathState, paths: Paths, profiles: Profiles) -> Reals:
         """(P, M) cost of another place across the road and another speed, soon, than in the last plan."""

@@ -8,7 +8,7 @@ from math import atan, sin
 
 from vpf_sim.driver_interface import Observation
 from vpf_sim.planning.spacetime.motion import Motion
-from vpf_sim.planning.spacetime.motions import LEAST_STRETCH, path_curvature, rear_axle
+from vpf_sim.planning.spacetime.motions import LEAST_STRETCH, path_curvature, rear_axle, rear_speed
 from vpf_sim.scene.road import Road
 from vpf_sim.types import Reference, VehicleModel
 
@@ -28,7 +28,7 @@ def reference(
     planned, slope, _ = motion.path_at(s)
     off = d - planned
     error = angle - atan(slope / max(1.0 - bend * planned, LEAST_STRETCH))
-    speed = observation.speed_mps
+    speed = rear_speed(observation.speed_mps, observation.yaw_rate_radps, vehicle)
     reach = max(LEAST_REACH_M, REACH_S * speed)
     turning = speed * sin(error) * reach / (reach**2 + off**2)  # of atan(e / l), rad/s
     curvature = _curvature(motion, road, s + max(STEERING_S * speed, LEAST_AHEAD_M))
