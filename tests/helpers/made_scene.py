@@ -39,7 +39,7 @@ def tracks(on: Road, *objects: tuple[float, ...]) -> Tracks:
 def scene(
     on: Road, seen: Tracks, s_m: float = 0.0, d_m: float = 0.0, speed_mps: float = 5.5, reference_mps: float = 5.5
 ) -> Scene:
-    """The ego drives along the road at (s, d): where it bends, the car's rear axle has the road's direction."""
+    """The ego drives along the road at (s, d), with its rear axle in the road's direction if d = 0."""
     x, y, heading = (float(value) for value in on.world(np.array(s_m), np.array(d_m)))
     curvature = on.direction_at(s_m)[1]
     heading -= curvature * VehicleModel().l_r_m

@@ -45,6 +45,14 @@ def test_what_has_left_the_view_beside_the_car_is_no_evidence_of_paint() -> None
     assert 0.35 * ahead < support(beside, points(np.full(4, 5.0), 0.0), CAMERA_M, SPEED_MPS, CONFIG)[0] < 0.0
 
 
+def test_a_face_without_width_has_its_points_and_one_out_of_view_has_none() -> None:
+    one, thin = np.ones(1), obstacle(6.0)
+    line = Obstacles(thin.forward_m, 0.0 * one, 0.0 * one, thin.sigma_m, one, thin.identity)
+    assert support(line, points(np.full(4, 6.2), 0.3), CAMERA_M, SPEED_MPS, CONFIG)[0] == CONFIG.points_most
+    beside = Obstacles(thin.forward_m, 5.0 * one, 7.0 * one, thin.sigma_m, one, thin.identity)
+    assert np.isnan(support(beside, points(np.full(4, 6.0), 0.0), CAMERA_M, SPEED_MPS, CONFIG)[0])
+
+
 @pytest.mark.parametrize(("forward_m", "speed_mps"), [(2.0, SPEED_MPS), (12.0, SPEED_MPS), (6.0, 0.0)])
 def test_a_place_without_measured_heights_tells_nothing(forward_m: float, speed_mps: float) -> None:
     assert np.isnan(support(obstacle(forward_m), points(np.full(4, forward_m), 0.0), CAMERA_M, speed_mps, CONFIG)[0])

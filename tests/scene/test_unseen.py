@@ -38,6 +38,14 @@ def test_a_car_that_is_slower_than_the_traffic_may_be_overtaken_in_each_lane_bes
     np.testing.assert_allclose(np.unique(tracks(2.0, d_m=LANE_M).d_m), [0.0])
 
 
+@pytest.mark.parametrize("seen_mps", [3.0, 30.0, 1e6])
+def test_fast_traffic_is_no_more_vehicles_and_comes_for_as_long_as_a_plan_reaches(seen_mps: float) -> None:
+    found = tracks(0.0, seen_mps)
+    horizon_s = settings.load().candidates.horizon_s
+    assert len(found) < 15
+    assert (found.s_m - 0.5 * found.length_m).min() < -min(seen_mps, 40.0) * horizon_s
+
+
 def test_vehicles_that_the_car_has_overtaken_must_catch_up() -> None:
     """7 s at 5 m/s past traffic of 3 m/s, which counts after 1 s, gain 14 m; a second of standing loses 3 m."""
     unseen, lane = UnseenTraffic(driver_settings.scene().unseen), EgoState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

@@ -18,7 +18,7 @@ CHI2, CHI2_MARGIN = 9.0, 12.0  # of it as a static point, at most, and how much 
 BEFORE_M, BEHIND_M, ASIDE_M = 0.6, 1.5, 0.3  # of its face and beside it, where such points are
 SUPPORT_M = (3.0, 8.0)  # where they are expected, from the pose
 BEARING = 0.8  # tangent of the angle from the course, up to which obstacles show
-LEAST_WIDTH_M = 0.1
+LEAST_WIDTH_M = 0.1  # of a face that has none
 STANDING_MPS = 0.5  # a slower car finds no heights
 ROW_M, ROW_GAP_M = 3.0, 0.6  # along and across, between faces that may be one vehicle's
 BESIDE_M = 3.0  # from the edges, where actors that cross may come from
@@ -86,9 +86,9 @@ def support(
     there &= (right > obstacles.left_m[:, None] - ASIDE_M) & (right < obstacles.right_m[:, None] + ASIDE_M)
     count = np.count_nonzero(there, axis=1)
     expected, mistaken = config.obstacle_points, config.paint_points
-    view_m = BEARING * obstacles.forward_m
-    in_view = np.minimum(obstacles.right_m, view_m) - np.maximum(obstacles.left_m, -view_m)
-    share = np.clip(in_view / np.maximum(obstacles.width_m, LEAST_WIDTH_M), 0.0, 1.0)
+    view_m, half = BEARING * obstacles.forward_m, 0.5 * LEAST_WIDTH_M
+    in_view = np.minimum(obstacles.right_m + half, view_m) - np.maximum(obstacles.left_m - half, -view_m)
+    share = np.clip(in_view / (obstacles.width_m + 2.0 * half), 0.0, 1.0)
     odds = config.points_share * (count * np.log(expected / mistaken) - share * (expected - mistaken))
     visible = (
         (share > 0.0)

@@ -90,7 +90,7 @@ def rear_speed(speed_mps: float, yaw_rate_radps: float, vehicle: VehicleModel) -
 def path_second(turn: float, curvature_per_m: float, road_per_m: float, stretch: float) -> float:
     """1/m, d^2 d / d s^2 of a path of a curvature: the inverse of `path_curvature`."""
     square = 1.0 + turn**2
-    return stretch**2 * curvature_per_m * square**1.5 - stretch * road_per_m * (2.0 * square - 1.0)
+    return stretch**2 * curvature_per_m * square * sqrt(square) - stretch * road_per_m * (2.0 * square - 1.0)
 
 
 def path_curvature(turn: Real, second: Real, road_per_m: Real, stretch: Real) -> Real:

@@ -29,7 +29,7 @@ class LimitSettings:
     acceleration_mps2: float = setting("Largest acceleration.", gt=0.0)
     deceleration_mps2: float = setting("Largest deceleration.", gt=0.0)
     lateral_mps2: float = setting("Largest lateral acceleration.", gt=0.0)
-    curvature_per_m: float = setting("Largest curvature of the path.", gt=0.0)
+    curvature_per_m: float = setting("Largest curvature of the rear axle's path.", gt=0.0)
     curvature_rate_per_ms: float = setting("Largest change of the curvature in a second.", gt=0.0)
     edge_m: float = setting("Least distance of the car's sides from the road's edges.", ge=0.0)
     along_m: float = setting("Least distance from an object along its heading.", ge=0.0)
