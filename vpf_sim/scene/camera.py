@@ -46,14 +46,14 @@ class CameraScene:
         self._camera, self._config, self._sizes = camera, config.existence, sizes
         self._tracker, self._unseen = SceneTracker(config.tracker), UnseenTraffic(config.unseen)
         self._last: Observation | None = None  # of the last frame
-        self._s_m = 0.0
+        self._s_m = 0.0  # at the last frame: what is perceived does not depend on what is planned in between
         self._relief: dict[int, float] = {}  # of the last frame's obstacles, by identity
         self._actors: set[int] = set()  # identities of static obstacles that are actors who crossed
         self.road: Road | None = None
 
     def observe(self, perception: Perception, observation: Observation, evidence: Evidence = NO_EVIDENCE) -> None:
         """Bring road and tracks to a processed frame."""
-        s, _ = self.place(observation)
+        self._s_m = s = self.place(observation)[0]
         before, self.road = self.road, road_of(plausible_road(perception.road), observation.pose, s)
         dt_s = way_m = 0.0
         if before is not None and self._last is not None:
@@ -132,8 +132,8 @@ class CameraScene:
         if self.road is None:
             return 0.0, 0.0
         s, d = self.road.place_at(np.array([observation.x_m]), np.array([observation.y_m]), np.array([self._s_m]))
-        self._s_m = min(max(float(s[0]), float(self.road.station_m[0])), float(self.road.station_m[-1]))
-        return self._s_m, bounded(float(d[0]), ASIDE_M)
+        on_road = min(max(float(s[0]), float(self.road.station_m[0])), float(self.road.station_m[-1]))
+        return on_road, bounded(float(d[0]), ASIDE_M)
 
     def _mean_relief(self, obstacles: Obstacles, relief: Floats | None) -> Floats:
         """(K,) relief of obstacles over the last frames that showed it; 0 of those never shown."""
