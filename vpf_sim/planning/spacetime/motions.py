@@ -84,7 +84,8 @@ def rear_axle(road: Road, s_m: float, d_m: float, yaw_rad: float, vehicle: Vehic
 
 def rear_speed(speed_mps: float, yaw_rate_radps: float, vehicle: VehicleModel) -> float:
     """m/s of the rear axle, which does not slip sideways, from the speed of the car's middle."""
-    return sqrt(max(speed_mps**2 - (vehicle.l_r_m * yaw_rate_radps) ** 2, 0.0))
+    sideways_mps = abs(vehicle.l_r_m * yaw_rate_radps)
+    return speed_mps * sqrt(1.0 - (sideways_mps / speed_mps) ** 2) if sideways_mps < speed_mps else 0.0
 
 
 def path_second(turn: float, curvature_per_m: float, road_per_m: float, stretch: float) -> float:
