@@ -11,6 +11,11 @@ NEWTON_STEPS = 12
 LEAST_SLOPE = 0.02  # of the distorted radius: limits the step near the fold of the polynomial
 
 
+def bounded(value: float, most: float) -> float:
+    """The value, or the nearest of -most and most."""
+    return min(max(value, -most), most)
+
+
 def wrap_angle(angle_rad: float) -> float:
     """The angle in [-pi, pi)."""
     return (angle_rad + pi) % (2.0 * pi) - pi

@@ -1,7 +1,10 @@
 """Scenes made by hand: a road of constant curvature with three lanes of 3.5 m, and objects on it."""
 
+from dataclasses import replace
+
 import numpy as np
 
+from vpf_sim.planning.spacetime.motion import Motion
 from vpf_sim.scene import EgoState, Road, Scene, Tracks
 from vpf_sim.types import VehicleModel
 
@@ -45,3 +48,12 @@ def scene(
     heading -= curvature * VehicleModel().l_r_m
     ego = EgoState(x, y, heading, speed_mps, speed_mps * curvature / (1.0 - curvature * d_m), s_m, d_m)
     return Scene(0.0, ego, on, seen, reference_mps)
+
+
+def followed(now: Scene, motion: Motion, time_s: float) -> Scene:
+    """The scene at a time until which the car followed a motion exactly, on a straight road."""
+    rear_m, arm_m = motion.s_at(time_s), VehicleModel().l_r_m
+    yaw_rad = motion.course_at(now.road, rear_m)
+    s_m, d_m = rear_m + arm_m * np.cos(yaw_rad), motion.path_at(rear_m)[0] + arm_m * np.sin(yaw_rad)
+    ego = scene(now.road, now.tracks, s_m, d_m, motion.speed_at(time_s)).ego._replace(yaw_rad=yaw_rad)
+    return replace(now, time_s=time_s, ego=ego)

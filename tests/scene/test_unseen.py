@@ -5,7 +5,7 @@ from dataclasses import replace
 import driver_settings
 import numpy as np
 import pytest
-from made_scene import LANE_M, road, scene
+from made_scene import LANE_M, followed, road, scene
 from made_scene import tracks as made_tracks
 
 from vpf_sim.planning.spacetime import settings
@@ -95,13 +95,8 @@ def test_it_waits_straight_in_its_lane_behind_what_has_stopped() -> None:
         assert now.time_s < 20.0
         unseen.update(now.time_s, now.ego.speed_mps, {7: 9.0})
         motion = planner.plan(replace(now, tracks=stopped.joined(unseen.tracks(on, now.ego, now.time_s))))
-        time_s = now.time_s + 0.1
-        s_m, speed_mps = motion.s_at(time_s), motion.speed_at(time_s)
-        d_m, slope, _ = motion.path_at(s_m)
-        yaw_rad = np.arctan(slope)
-        s_m, d_m = s_m + VehicleModel().l_r_m * np.cos(yaw_rad), d_m + VehicleModel().l_r_m * np.sin(yaw_rad)
-        now = replace(now, time_s=time_s, ego=scene(on, stopped, s_m, d_m, speed_mps).ego._replace(yaw_rad=yaw_rad))
-        stood_s = stood_s + 0.1 if speed_mps < 0.3 else 0.0
+        now = followed(now, motion, now.time_s + 0.1)
+        stood_s = stood_s + 0.1 if now.ego.speed_mps < 0.3 else 0.0
     assert abs(now.ego.d_m) < 0.2
     assert abs(now.ego.yaw_rad) < 0.05
     assert 28.0 - 4.5 - now.ego.s_m > 1.5

@@ -4,15 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from vpf_sim.geometry import bounded
 from vpf_sim.types import Obstacles, RoadEdges
 
 FAR_M, ASIDE_M = 300.0, 100.0  # along and across the road
 SHARPEST_PER_M, TURNED_RAD = 1.0, 4.0
-
-
-def bounded(value: float, most: float) -> float:
-    """The value, or the nearest of -most and most."""
-    return min(max(value, -most), most)
 
 
 def plausible_road(road: RoadEdges) -> RoadEdges:

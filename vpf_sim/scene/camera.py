@@ -9,11 +9,11 @@ from math import cos, hypot, sin, sqrt
 import numpy as np
 
 from vpf_sim.driver_interface import Observation
-from vpf_sim.geometry import rotation, vehicle_from_world, wrap_angle
+from vpf_sim.geometry import bounded, rotation, vehicle_from_world, wrap_angle
 from vpf_sim.perception.object_sizes import ObjectSizes
 from vpf_sim.perception.obstacles.point_motion import PointMotions
 from vpf_sim.perception.obstacles.prediction import none
-from vpf_sim.scene.bounds import ASIDE_M, bounded, plausible_obstacles, plausible_road
+from vpf_sim.scene.bounds import ASIDE_M, plausible_obstacles, plausible_road
 from vpf_sim.scene.evidence import NO_EVIDENCE, Evidence
 from vpf_sim.scene.measurements import BEARING, of_crossers, of_obstacles, support
 from vpf_sim.scene.road import Road

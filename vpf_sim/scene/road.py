@@ -11,6 +11,11 @@ PROJECTIONS = 4  # of a point on the road, each from the foot of the last
 LEAST_STRETCH = 0.2  # of 1 - d * curvature, on the inside of a bend
 
 
+def stretch_at(curvature_per_m: float, d_m: float) -> float:
+    """Length of the way at d beside a road of a curvature, by that of its reference line."""
+    return max(1.0 - curvature_per_m * d_m, LEAST_STRETCH)
+
+
 class Section(NamedTuple):
     """Quantities of the road at some s, each of the shape of s."""
 

@@ -5,7 +5,7 @@ from math import pi
 
 import numpy as np
 import pytest
-from made_scene import EDGE_M, LANE_M, road, scene, tracks
+from made_scene import EDGE_M, LANE_M, followed, road, scene, tracks
 
 from vpf_sim.planning.spacetime import settings
 from vpf_sim.planning.spacetime.candidates import Paths, Profiles
@@ -63,15 +63,9 @@ def test_it_passes_a_parked_car_at_a_distance_that_a_driver_would_keep() -> None
     seen, now, least_m = tracks(on, (30.0, 0.6, 0.0, 0.0, *CAR)), scene(on, tracks(on)), 9.0
     for _ in range(60):
         motion = planner.plan(replace(now, tracks=seen))
-        time_s = now.time_s + 0.1
-        s_m, speed_mps = motion.s_at(time_s), motion.speed_at(time_s)
-        d_m, slope, _ = motion.path_at(s_m)
-        yaw_rad = np.arctan(slope)
-        s_m, d_m = s_m + VehicleModel().l_r_m * np.cos(yaw_rad), d_m + VehicleModel().l_r_m * np.sin(yaw_rad)
-        ego = scene(on, seen, s_m, d_m, speed_mps).ego._replace(yaw_rad=yaw_rad)
-        now = replace(now, time_s=time_s, ego=ego)
-        if abs(s_m - 30.0) < 4.5:
-            least_m = min(least_m, 0.6 - d_m - 1.9)
+        now = followed(now, motion, now.time_s + 0.1)
+        if abs(now.ego.s_m - 30.0) < 4.5:
+            least_m = min(least_m, 0.6 - now.ego.d_m - 1.9)
     assert 0.35 < least_m < 1.0
 
 

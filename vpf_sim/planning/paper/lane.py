@@ -6,6 +6,7 @@ transformation; no map is used.
 
 from dataclasses import dataclass
 
+from vpf_sim.geometry import bounded
 from vpf_sim.types import RoadEdges
 
 # Bounds of lane coordinates, far beyond any road: sums and squares of them stay finite.
@@ -25,11 +26,7 @@ class Lane:
 
 def locate(road: RoadEdges) -> Lane:
     """Pose on the road; the preferred position is the middle of the own lane."""
-    lane_m = _bounded(road.lane_m, FAR_M)
-    left, right = _bounded(road.left_m, FAR_M) - lane_m, _bounded(road.right_m, FAR_M) - lane_m
-    heading, curvature = _bounded(road.heading_rad, TURNED_RAD), _bounded(road.curvature_per_m, SHARPEST_PER_M)
+    lane_m = bounded(road.lane_m, FAR_M)
+    left, right = bounded(road.left_m, FAR_M) - lane_m, bounded(road.right_m, FAR_M) - lane_m
+    heading, curvature = bounded(road.heading_rad, TURNED_RAD), bounded(road.curvature_per_m, SHARPEST_PER_M)
     return Lane(-lane_m, right, left, heading, curvature)
-
-
-def _bounded(value: float, most: float) -> float:
-    return min(max(value, -most), most)

@@ -1,13 +1,14 @@
 """The chosen motion, and why the others were not."""
 
 from dataclasses import dataclass
+from math import atan
 from typing import NamedTuple
 
 import numpy as np
 
 from vpf_sim.planning.spacetime.candidates import Paths, PathState, Profiles
 from vpf_sim.planning.spacetime.motions import motions
-from vpf_sim.scene.road import Road
+from vpf_sim.scene.road import Road, stretch_at
 from vpf_sim.types import Floats, PlanDetails, Reals, VehicleModel
 
 
@@ -55,6 +56,11 @@ class Motion:
         """d m, d d / d s and d^2 d / d s^2 /m at s."""
         d, slope, bend = self.path.at(np.array([s_m]))
         return float(d[0]), float(slope[0]), float(bend[0])
+
+    def course_at(self, road: Road, s_m: float) -> float:
+        """rad, of the path at s from the road's direction."""
+        d, slope, _ = self.path_at(s_m)
+        return atan(slope / stretch_at(road.direction_at(s_m)[1], d))
 
 
 @dataclass(frozen=True, slots=True)

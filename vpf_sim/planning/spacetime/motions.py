@@ -13,10 +13,8 @@ import numpy as np
 
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning.spacetime.candidates import Paths, PathState, Profiles
-from vpf_sim.scene.road import Road
+from vpf_sim.scene.road import LEAST_STRETCH, Road, stretch_at
 from vpf_sim.types import Reals, VehicleModel
-
-LEAST_STRETCH = 0.2  # of 1 - d * curvature, on the inside of a bend
 
 Real = TypeVar("Real", float, Reals)
 
@@ -76,7 +74,7 @@ def rear_axle(road: Road, s_m: float, d_m: float, yaw_rad: float, vehicle: Vehic
     heading, bend = road.direction_at(s_m)
     course = wrap_angle(yaw_rad - heading)
     right_m = d_m - vehicle.l_r_m * sin(course)
-    stretch = max(1.0 - bend * right_m, LEAST_STRETCH)
+    stretch = stretch_at(bend, right_m)
     back_m = vehicle.l_r_m * cos(course)
     s = s_m - back_m / stretch
     return s, right_m - 0.5 * bend / stretch * back_m**2, wrap_angle(yaw_rad - road.direction_at(s)[0])

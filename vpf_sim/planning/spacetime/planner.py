@@ -5,19 +5,21 @@ candidates -> limits -> field of road, target and comfort -> objects in space an
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import atan, tan
+from math import tan
 
 import numpy as np
 
+from vpf_sim.geometry import bounded
 from vpf_sim.planning.spacetime import candidates, limits
 from vpf_sim.planning.spacetime.candidates import Paths, PathState, Profiles
 from vpf_sim.planning.spacetime.field import ending_lanes, field
 from vpf_sim.planning.spacetime.limits import REJECTED
 from vpf_sim.planning.spacetime.motion import Motion, Rejected
-from vpf_sim.planning.spacetime.motions import LEAST_STRETCH, Motions, motions, path_second, rear_axle, rear_speed
+from vpf_sim.planning.spacetime.motions import Motions, motions, path_second, rear_axle, rear_speed
 from vpf_sim.planning.spacetime.obstacles import ObstaclePotential
 from vpf_sim.planning.spacetime.settings import SpacetimeSettings
 from vpf_sim.scene import Scene, predict
+from vpf_sim.scene.road import stretch_at
 from vpf_sim.types import Reals, VehicleModel
 
 BATCH = 200  # motions that are compared with the objects at a time
@@ -83,13 +85,13 @@ class SpacetimePlanner:
 
     def _start(self, scene: Scene) -> PathState:
         """The last motion's state, or the car's where it has left that; the wheels of a car that stands may turn."""
-        ego, last, measured = scene.ego, self.motion, self._measured(scene)
+        ego, last = scene.ego, self.motion
+        s, own_d, angle = rear_axle(scene.road, ego.s_m, ego.d_m, ego.yaw_rad, self._vehicle)
+        measured = self._measured(scene, s, own_d, angle)
         if last is None:
             return measured
-        s, own_d, angle = rear_axle(scene.road, ego.s_m, ego.d_m, ego.yaw_rad, self._vehicle)
         d, slope, bend = last.path_at(s)
-        turned = abs(angle - atan(slope / max(1.0 - scene.road.direction_at(s)[1] * d, LEAST_STRETCH)))
-        speed = last.speed_at(scene.time_s)
+        turned, speed = abs(angle - last.course_at(scene.road, s)), last.speed_at(scene.time_s)
         if abs(own_d - d) > ON_PLAN_M or turned > ON_PLAN_RAD or abs(ego.speed_mps - speed) > ON_PLAN_MPS:
             return measured
         limit = self._settings.limits
@@ -98,17 +100,13 @@ class SpacetimePlanner:
             return replace(measured, speed_mps=speed, acceleration_mps2=acceleration)
         return PathState(s, d, slope, bend, speed, acceleration)
 
-    def _measured(self, scene: Scene) -> PathState:
-        """The rear axle's own state on the road."""
-        ego = scene.ego
-        s, d, angle = rear_axle(scene.road, ego.s_m, ego.d_m, ego.yaw_rad, self._vehicle)
-        bend = scene.road.direction_at(s)[1]
-        stretch = max(1.0 - bend * d, LEAST_STRETCH)
-        turn = tan(min(max(angle, -LARGEST_ANGLE_RAD), LARGEST_ANGLE_RAD))
+    def _measured(self, scene: Scene, s_m: float, d_m: float, angle_rad: float) -> PathState:
+        """The state of the rear axle at a place on the road, turned from its direction there by an angle."""
+        ego, bend = scene.ego, scene.road.direction_at(s_m)[1]
+        stretch, turn = stretch_at(bend, d_m), tan(bounded(angle_rad, LARGEST_ANGLE_RAD))
         speed = rear_speed(ego.speed_mps, ego.yaw_rate_radps, self._vehicle)
-        own = ego.yaw_rate_radps / speed if speed > SLOW_MPS else 0.0
-        own = min(max(own, -SHARPEST_PER_M), SHARPEST_PER_M)
-        return PathState(s, d, turn * stretch, path_second(turn, own, bend, stretch), ego.speed_mps, 0.0)
+        own = bounded(ego.yaw_rate_radps / speed, SHARPEST_PER_M) if speed > SLOW_MPS else 0.0
+        return PathState(s_m, d_m, turn * stretch, path_second(turn, own, bend, stretch), ego.speed_mps, 0.0)
 
     def _changes(self, scene: Scene, start: PathState, paths: Paths, profiles: Profiles) -> Reals:
         """(P, M) cost of another place across the road and another speed, soon, than in the last plan."""

@@ -8,8 +8,8 @@ from math import atan, sin
 
 from vpf_sim.driver_interface import Observation
 from vpf_sim.planning.spacetime.motion import Motion
-from vpf_sim.planning.spacetime.motions import LEAST_STRETCH, path_curvature, rear_axle, rear_speed
-from vpf_sim.scene.road import Road
+from vpf_sim.planning.spacetime.motions import path_curvature, rear_axle, rear_speed
+from vpf_sim.scene.road import Road, stretch_at
 from vpf_sim.types import Reference, VehicleModel
 
 LEAST_REACH_M, REACH_S = 2.2, 0.7  # l
@@ -24,10 +24,8 @@ def reference(
 ) -> Reference:
     """The reference at an observation's time, for the car with its middle at (s, d)."""
     s, d, angle = rear_axle(road, *place_m, observation.yaw_rad, vehicle)
-    bend = road.direction_at(s)[1]
-    planned, slope, _ = motion.path_at(s)
-    off = d - planned
-    error = angle - atan(slope / max(1.0 - bend * planned, LEAST_STRETCH))
+    off = d - motion.path_at(s)[0]
+    error = angle - motion.course_at(road, s)
     speed = rear_speed(observation.speed_mps, observation.yaw_rate_radps, vehicle)
     reach = max(LEAST_REACH_M, REACH_S * speed)
     turning = speed * sin(error) * reach / (reach**2 + off**2)  # of atan(e / l), rad/s
@@ -54,5 +52,5 @@ def _curvature(motion: Motion, road: Road, s_m: float) -> float:
     """1/m, of the motion's path in the world at s."""
     d, slope, second = motion.path_at(s_m)
     bend = road.direction_at(s_m)[1]
-    stretch = max(1.0 - bend * d, LEAST_STRETCH)
+    stretch = stretch_at(bend, d)
     return path_curvature(slope / stretch, second, bend, stretch)
