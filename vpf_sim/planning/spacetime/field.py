@@ -10,7 +10,7 @@ from vpf_sim.planning.spacetime.limits import room_m
 from vpf_sim.planning.spacetime.motions import Motions
 from vpf_sim.planning.spacetime.settings import CostSettings
 from vpf_sim.scene.road import Road
-from vpf_sim.types import Reals
+from vpf_sim.types import Bools, Reals
 
 LEAST_REFERENCE_MPS = 0.1
 END_SHARE = np.float32(0.5)
@@ -19,19 +19,23 @@ LANE_CHANGE_S = 6.0  # wanted for each lane that has to be crossed before the la
 MOST_ONCOMING_M = 3.0
 
 
-def field(cost: CostSettings, motions: Motions, road: Road, reference_mps: float) -> dict[str, Reals]:
-    """(P, M) each, by the potential's name."""
+def field(cost: CostSettings, motions: Motions, leads: Bools, road: Road, reference_mps: float) -> dict[str, Reals]:
+    """(P, M) each, by the potential's name; `leads` (P, M, T) is whether the way there leads on."""
     return {
-        "target": target(cost, motions, road, reference_mps),
+        "target": target(cost, motions, leads, road, reference_mps),
         "road": road_potential(cost, motions, road.overhang_m),
         "comfort": comfort(cost, motions),
     }
 
 
-def target(cost: CostSettings, motions: Motions, road: Road, reference_mps: float) -> Reals:
-    """Speed that is lacking and distance from the route, both on the whole and at the end."""
+def target(cost: CostSettings, motions: Motions, leads: Bools, road: Road, reference_mps: float) -> Reals:
+    """Speed that is lacking and distance from the route, both on the whole and at the end.
+
+    Speed on a way that leads nowhere is as good as none.
+    """
     reference = max(reference_mps, LEAST_REFERENCE_MPS)
-    lacking = ((motions.speed_mps - np.float32(reference_mps)) / np.float32(reference)) ** 2
+    useful = motions.speed_mps if leads.all() else np.where(leads, motions.speed_mps, np.float32(0.0))
+    lacking = ((useful - np.float32(reference_mps)) / np.float32(reference)) ** 2
     off = np.abs(motions.d_m - np.float32(road.route_m))
     return np.asarray(cost.speed * _whole_and_end(lacking) + cost.route * _whole_and_end(off), np.float32)
 

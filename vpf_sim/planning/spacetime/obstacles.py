@@ -136,8 +136,8 @@ class ObstaclePotential:
         self._prediction = prediction
         self._follows = _follows(prediction, scene.ego, vehicle)
         self._vehicle, self._reference_mps = vehicle, scene.speed_reference_mps
-        self._standing_gap_m = np.float32(turning_gap_m(vehicle, TURNED * limits.curvature_per_m))
-        self._quantile = float(ndtri(1.0 - limits.occupied))
+        self.standing_gap_m = np.float32(turning_gap_m(vehicle, TURNED * limits.curvature_per_m))
+        self.quantile = float(ndtri(1.0 - limits.occupied))
         self._contact_decay = np.exp(-times_s / CONTACT_S).astype(np.float32)
         self._near_decay = np.exp(-times_s / NEAR_S).astype(np.float32)
 
@@ -148,7 +148,7 @@ class ObstaclePotential:
         for k in range(len(self._prediction.tracks)):
             if self._follows[k] or self._is_far(body, k, motions.origin_m):
                 continue
-            gap = gaps(body, self._prediction, k, motions.origin_m, self._quantile)
+            gap = gaps(body, self._prediction, k, motions.origin_m, self.quantile)
             speed = np.float32(self._prediction.tracks.speed_mps[k]) * gap.same_way
             contact = np.maximum(contact, self._contact(gap, body.speed_mps, speed))
             near += self._nearness(gap, body.speed_mps) + self._distance_behind(gap, body.speed_mps, speed)
@@ -181,7 +181,7 @@ class ObstaclePotential:
 
     def _distance_behind(self, gap: Gaps, speed: Reals, other: Reals) -> Reals:
         """(N, T) cost of less than the braking distance, and of less than a second, behind what is ahead."""
-        ahead = way_ahead(gap, IN_LANE_M) - self._standing_gap_m
+        ahead = way_ahead(gap, IN_LANE_M) - self.standing_gap_m
         closing = np.maximum(speed**2 - np.maximum(other, 0.0) ** 2, 0.0)
         braking = np.maximum(REACTION_S * speed + 0.5 * closing / BRAKING_MPS2 - ahead, 0.0)
         second = np.maximum(GAP_S * speed - ahead, 0.0)
