@@ -13,6 +13,7 @@ from vpf_sim.scene.road import Road
 from vpf_sim.types import Bools, Reals
 
 LEAST_REFERENCE_MPS = 0.1
+CREEPING_MPS = 0.4
 END_SHARE = np.float32(0.5)
 AHEAD_M, EVERY_M = 600.0, 4.0  # of the road beyond the horizon
 LANE_CHANGE_S = 6.0  # wanted for each lane that has to be crossed before the lane ends
@@ -31,10 +32,10 @@ def field(cost: CostSettings, motions: Motions, leads: Bools, road: Road, refere
 def target(cost: CostSettings, motions: Motions, leads: Bools, road: Road, reference_mps: float) -> Reals:
     """Speed that is lacking and distance from the route, both on the whole and at the end.
 
-    Speed on a way that leads nowhere is as good as none.
+    Speed on a way that leads nowhere is as good as none, and so is creeping: a car stops in one go.
     """
     reference = max(reference_mps, LEAST_REFERENCE_MPS)
-    useful = motions.speed_mps if leads.all() else np.where(leads, motions.speed_mps, np.float32(0.0))
+    useful = np.where(leads & (motions.speed_mps > CREEPING_MPS), motions.speed_mps, np.float32(0.0))
     lacking = ((useful - np.float32(reference_mps)) / np.float32(reference)) ** 2
     off = np.abs(motions.d_m - np.float32(road.route_m))
     return np.asarray(cost.speed * _whole_and_end(lacking) + cost.route * _whole_and_end(off), np.float32)
