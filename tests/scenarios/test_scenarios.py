@@ -13,6 +13,7 @@ from open_drive import point_on_lines_and_arcs, town04
 from vpf_sim import scenarios
 from vpf_sim.envs.road import build_road
 from vpf_sim.errors import InputError
+from vpf_sim.types import VehicleModel
 
 
 def test_valid_file_is_loaded_with_defaults() -> None:
@@ -86,6 +87,19 @@ def test_every_seed_of_the_catalog_is_valid(name: str) -> None:
         drawn = scenario.draw(seed)
         assert type(drawn).model_validate(drawn.model_dump(by_alias=True)) == drawn
         assert getattr(drawn, "vary", {}) == {}, "nothing is left to draw"
+
+
+@pytest.mark.parametrize("name", ["blocked", "gate-course"])
+def test_barriers_that_close_a_road_leave_no_gap_for_a_car(name: str) -> None:
+    """Neither between two of them, which may stand one behind the other, nor beside the outermost."""
+    scenario = scenarios.load(name)
+    lane_m, deep, wide = scenario.road.lane_width_m, 0.5, 3.0
+    for seed in range(200):
+        row = sorted((body for body in scenario.draw(seed).bodies if body.kind == "barrier"), key=lambda b: -b.lane)
+        left_m = np.array([(scenario.road.lanes - b.lane + 0.5) * lane_m + b.lateral_m - 0.5 * wide for b in row])
+        gaps = np.diff([-wide, *left_m, scenario.road.lanes * lane_m]) - wide
+        along = np.maximum(np.abs(np.diff([b.s_m for b in row])) - deep, 0.0)
+        assert np.hypot(gaps, [0.0, *along, 0.0]).max() < VehicleModel().width_m
 
 
 def road_45() -> tuple[ET.Element, float, float]:

@@ -1,0 +1,69 @@
+"""Where a path ends at something that stands."""
+
+from math import inf
+
+import numpy as np
+import pytest
+from made_scene import LANE_M, followed, road, scene, tracks
+
+from vpf_sim.planning.spacetime import settings
+from vpf_sim.planning.spacetime.candidates import Paths, PathState
+from vpf_sim.planning.spacetime.planner import SpacetimePlanner
+from vpf_sim.planning.spacetime.way import AHEAD_M, EVERY_M, way_m
+from vpf_sim.types import VehicleModel
+
+CAR = VehicleModel()
+WALL_M = 14.0  # from the rear axle
+
+
+def straight(*sides_m: float) -> Paths:
+    """Paths at constant distances to the right of the reference line."""
+    count = len(sides_m)
+    coefficients = np.zeros((count, 6))
+    coefficients[:, 0] = sides_m
+    return Paths(np.zeros(count), np.ones(count), coefficients)
+
+
+def ways_m(*objects: tuple[float, ...], sides_m: tuple[float, ...] = (0.0,)) -> list[float]:
+    on, start = road(), PathState(0.0, 0.0, 0.0, 0.0, 1.0, 0.0)
+    found: list[float] = way_m(scene(on, tracks(on, *objects)), start, straight(*sides_m), CAR, 1.28).tolist()
+    return found
+
+
+def test_a_path_ends_where_the_front_meets_what_stands() -> None:
+    front_m = CAR.l_r_m + 0.5 * CAR.length_m
+    (way,) = ways_m((WALL_M + 0.5, 0.0, 0.0, 0.0, 1.0, 3.0))
+    assert WALL_M - front_m <= way < WALL_M - front_m + EVERY_M
+
+
+@pytest.mark.parametrize(
+    "thing",
+    [
+        pytest.param((WALL_M, 0.0, 0.0, 2.0, 4.0, 2.0), id="drives"),
+        pytest.param((WALL_M, 0.5 * (CAR.width_m + 3.0) + 0.05, 0.0, 0.0, 1.0, 3.0), id="is-beside"),
+        pytest.param((AHEAD_M + 10.0, 0.0, 0.0, 0.0, 1.0, 3.0), id="is-far"),
+    ],
+)
+def test_a_path_leads_on_past_what(thing: tuple[float, ...]) -> None:
+    assert ways_m(thing) == [inf]
+
+
+def test_each_path_has_its_own_end() -> None:
+    near, far = (8.0, -LANE_M, 0.0, 0.0, 1.0, 3.0), (12.0, 0.0, 0.0, 0.0, 1.0, 3.0)
+    left, middle, right = ways_m(near, far, sides_m=(-LANE_M, 0.0, LANE_M))
+    assert (middle - left, right) == (4.0, inf)
+
+
+@pytest.mark.parametrize("wall_m", [12.0, 16.0])
+@pytest.mark.parametrize("speed_mps", [0.0, 1.0, 3.0])
+def test_before_a_wall_across_the_road_the_car_stops_straight(wall_m: float, speed_mps: float) -> None:
+    """Once, and does not drive along the wall in search of a gap."""
+    on, planner = road(), SpacetimePlanner(settings.load(), CAR)
+    seen = tracks(on, (wall_m, 0.0, 0.0, 0.0, 0.5, 10.5))
+    now = scene(on, seen, speed_mps=speed_mps)
+    for _ in range(120):
+        now = followed(now, planner.plan(now), now.time_s + 0.1)
+    assert now.ego.speed_mps < 0.05
+    assert abs(now.ego.yaw_rad) < 0.1
+    assert abs(now.ego.d_m) < 0.5
+    assert 1.0 < wall_m - 0.25 - 0.5 * CAR.length_m - now.ego.s_m < 6.0
