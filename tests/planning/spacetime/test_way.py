@@ -54,16 +54,15 @@ def test_each_path_has_its_own_end() -> None:
     assert (middle - left, right) == (4.0, inf)
 
 
-@pytest.mark.parametrize("wall_m", [12.0, 16.0])
-@pytest.mark.parametrize("speed_mps", [0.0, 1.0, 3.0])
-def test_before_a_wall_across_the_road_the_car_stops_straight(wall_m: float, speed_mps: float) -> None:
-    """Once, and does not drive along the wall in search of a gap."""
+@pytest.mark.parametrize("d_m", [-0.7, 0.0, 0.7])
+@pytest.mark.parametrize("speed_mps", [0.0, 1.0, 5.5])
+def test_before_a_wall_across_the_road_the_car_stops_in_time_to_turn_back(d_m: float, speed_mps: float) -> None:
+    """It does not drive along the wall, past whose end no car fits, in search of a gap."""
     on, planner = road(), SpacetimePlanner(settings.load(), CAR)
-    seen = tracks(on, (wall_m, 0.0, 0.0, 0.0, 0.5, 10.5))
+    seen = tracks(on, (WALL_M, d_m, 0.0, 0.0, 0.5, 9.0))
     now = scene(on, seen, speed_mps=speed_mps)
-    for _ in range(120):
+    for _ in range(150):
         now = followed(now, planner.plan(now), now.time_s + 0.1)
     assert now.ego.speed_mps < 0.05
-    assert abs(now.ego.yaw_rad) < 0.1
-    assert abs(now.ego.d_m) < 0.5
-    assert 1.0 < wall_m - 0.25 - 0.5 * CAR.length_m - now.ego.s_m < 6.0
+    assert abs(now.ego.yaw_rad) < 0.15
+    assert 2.7 < WALL_M - 0.25 - 0.5 * CAR.length_m - now.ego.s_m < 3.5
