@@ -41,6 +41,7 @@ def test_a_path_ends_where_the_front_meets_what_stands() -> None:
     [
         pytest.param((WALL_M, 0.0, 0.0, 2.0, 4.0, 2.0), id="drives"),
         pytest.param((WALL_M, 0.5 * (CAR.width_m + 3.0) + 0.05, 0.0, 0.0, 1.0, 3.0), id="is-beside"),
+        pytest.param((0.0, 0.5 * (CAR.width_m + 3.0) - 0.05, 0.0, 0.0, 1.0, 3.0), id="touches-it-now"),
         pytest.param((AHEAD_M + 10.0, 0.0, 0.0, 0.0, 1.0, 3.0), id="is-far"),
     ],
 )

@@ -32,5 +32,6 @@ def way_m(scene: Scene, start: PathState, paths: Paths, vehicle: VehicleModel, q
     for k in range(len(standing)):
         gap = gaps(body, now, k, along.origin_m, quantile)
         meets = np.maximum.reduce([gap.along, gap.across, gap.object_along, gap.object_across]) < 0.0
+        meets &= ~meets[:, :1]  # what may already touch the car closes no way: all paths begin there
         ways = np.minimum(ways, np.where(meets.any(axis=1), ahead[meets.argmax(axis=1)], np.inf))
     return ways
