@@ -8,7 +8,7 @@ import numpy as np
 from vpf_sim.planning.spacetime.candidates import Paths, PathState, Profiles
 from vpf_sim.planning.spacetime.motions import motions
 from vpf_sim.planning.spacetime.obstacles import Body, gaps
-from vpf_sim.scene import Scene, predict
+from vpf_sim.scene import Road, Scene, Tracks, predict
 from vpf_sim.types import Reals, VehicleModel
 
 STANDING_MPS = 0.1
@@ -17,21 +17,33 @@ NOW = np.zeros(1)
 
 
 def way_m(scene: Scene, start: PathState, paths: Paths, vehicle: VehicleModel, quantile: float) -> Reals:
-    """(P,) m along the road until the car, on each path, meets what stands there; inf where nothing does.
+    """(P,) m along the road from the car's front to what stands on each path; inf where nothing does.
 
-    Objects are larger by `quantile` standard deviations of their place.
+    Objects are larger by `quantile` standard deviations of their place. The way is the same for all paths that meet an
+    object: a car that turns before a wall gets no farther.
     """
     ways = np.full(len(paths.start_m), np.inf)
-    standing = scene.tracks.select(np.flatnonzero(scene.tracks.speed_mps < STANDING_MPS))
+    standing = scene.tracks.select(
+        np.flatnonzero((scene.tracks.speed_mps < STANDING_MPS) & (scene.tracks.s_m > start.s_m))
+    )
     if not len(standing):
         return ways
     ahead = np.arange(0.0, AHEAD_M, EVERY_M)
     still = np.zeros((1, len(ahead)))
     along = motions(scene.road, start, paths, Profiles(ahead[None], still, still), vehicle)
     body, now = Body.of(along, np.arange(len(ways)), vehicle), predict(scene.road, standing, NOW)
+    near_m = _near_side_m(scene.road, standing) - (start.s_m + vehicle.l_r_m + 0.5 * vehicle.length_m)
     for k in range(len(standing)):
         gap = gaps(body, now, k, along.origin_m, quantile)
         meets = np.maximum.reduce([gap.along, gap.across, gap.object_along, gap.object_across]) < 0.0
         meets &= ~meets[:, :1]  # what may already touch the car closes no way: all paths begin there
-        ways = np.minimum(ways, np.where(meets.any(axis=1), ahead[meets.argmax(axis=1)], np.inf))
+        ways = np.minimum(ways, np.where(meets.any(axis=1), near_m[k], np.inf))
     return ways
+
+
+def _near_side_m(road: Road, tracks: Tracks) -> Reals:
+    """(K,) s, m, where objects begin."""
+    angle = tracks.heading_rad - road.at(tracks.s_m).heading_rad
+    deep = np.abs(np.cos(angle)) * tracks.length_m + np.abs(np.sin(angle)) * tracks.width_m
+    near: Reals = tracks.s_m - 0.5 * deep
+    return near
