@@ -24,7 +24,7 @@ def way_m(scene: Scene, start: PathState, paths: Paths, vehicle: VehicleModel, q
     """
     ways = np.full(len(paths.start_m), np.inf)
     standing = scene.tracks.select(
-        np.flatnonzero((scene.tracks.speed_mps < STANDING_MPS) & (scene.tracks.s_m > start.s_m))
+        np.flatnonzero((np.abs(scene.tracks.speed_mps) < STANDING_MPS) & (scene.tracks.s_m > start.s_m))
     )
     if not len(standing):
         return ways
