@@ -36,6 +36,15 @@ def test_a_slow_start_ends_at_the_reference_speed() -> None:
     assert planned(road(), tracks(road()), speed_mps=2.0).speed_at(5.0) == pytest.approx(5.5, abs=0.1)
 
 
+@pytest.mark.parametrize("reference_mps", [0.2, 1.0, 20.0])
+def test_any_reference_speed_is_driven(reference_mps: float) -> None:
+    on, planner = road(), SpacetimePlanner(settings.load(), VehicleModel())
+    now = scene(on, tracks(on), speed_mps=0.0, reference_mps=reference_mps)
+    for _ in range(150):
+        now = followed(now, planner.plan(now), now.time_s + 0.1)
+    assert now.ego.speed_mps == pytest.approx(reference_mps, rel=0.05)
+
+
 @pytest.mark.parametrize("d_m", [-0.6, 0.6])
 def test_it_passes_a_parked_car_on_the_wider_side(d_m: float) -> None:
     on = road()

@@ -13,7 +13,7 @@ from vpf_sim.scene.road import Road
 from vpf_sim.types import Bools, Reals
 
 LEAST_REFERENCE_MPS = 0.1
-CREEPING_MPS = 0.4
+CREEPING_MPS, CREEPING_SHARE = 0.4, 0.14  # at most, and of the reference
 END_SHARE = np.float32(0.5)
 AHEAD_M, EVERY_M = 600.0, 4.0  # of the road beyond the horizon
 LANE_CHANGE_S = 6.0  # wanted for each lane that has to be crossed before the lane ends
@@ -35,7 +35,11 @@ def target(cost: CostSettings, motions: Motions, leads: Bools, road: Road, refer
     Speed on a way that leads nowhere is as good as none, and so is creeping: a car stops in one go.
     """
     reference = max(reference_mps, LEAST_REFERENCE_MPS)
-    useful = np.where(leads & (motions.speed_mps > CREEPING_MPS), motions.speed_mps, np.float32(0.0))
+    useful = np.where(
+        leads & (motions.speed_mps > min(CREEPING_MPS, CREEPING_SHARE * reference_mps)),
+        motions.speed_mps,
+        np.float32(0.0),
+    )
     lacking = ((useful - np.float32(reference_mps)) / np.float32(reference)) ** 2
     off = np.abs(motions.d_m - np.float32(road.route_m))
     return np.asarray(cost.speed * _whole_and_end(lacking) + cost.route * _whole_and_end(off), np.float32)
