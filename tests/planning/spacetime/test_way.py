@@ -1,6 +1,6 @@
 """Where a path ends at something that stands."""
 
-from math import inf
+from math import cos, inf, pi, sqrt, tan
 
 import numpy as np
 import pytest
@@ -41,7 +41,7 @@ def test_a_path_ends_where_the_front_meets_what_stands() -> None:
     [
         pytest.param((WALL_M, 0.0, 0.0, 2.0, 4.0, 2.0), id="drives"),
         pytest.param((WALL_M, 0.5 * (CAR.width_m + 3.0) + 0.05, 0.0, 0.0, 1.0, 3.0), id="is-beside"),
-        pytest.param((0.0, 0.5 * (CAR.width_m + 3.0) - 0.05, 0.0, 0.0, 1.0, 3.0), id="touches-it-now"),
+        pytest.param((0.5, 0.5 * (CAR.width_m + 3.0) - 0.05, 0.0, 0.0, 1.0, 3.0), id="touches-it-now"),
         pytest.param((AHEAD_M + 10.0, 0.0, 0.0, 0.0, 1.0, 3.0), id="is-far"),
     ],
 )
@@ -55,15 +55,41 @@ def test_each_path_has_its_own_end() -> None:
     assert (middle - left, right) == (4.0, inf)
 
 
-@pytest.mark.parametrize("d_m", [-0.7, 0.0, 0.7])
-@pytest.mark.parametrize("speed_mps", [0.0, 1.0, 5.5])
-def test_before_a_wall_across_the_road_the_car_stops_in_time_to_turn_back(d_m: float, speed_mps: float) -> None:
-    """It does not drive along the wall, past whose end no car fits, in search of a gap."""
+def test_a_turned_object_begins_at_its_nearest_corner() -> None:
+    """A square on its corner is longer along the road, by its diagonal."""
+    (straight_m,), (turned_m,) = (ways_m((WALL_M, 0.0, heading, 0.0, 2.0, 2.0)) for heading in (0.0, pi / 4.0))
+    assert straight_m - turned_m == pytest.approx(sqrt(2.0) - 1.0)
+
+
+def test_what_begins_beside_the_car_ends_the_way_where_they_meet() -> None:
+    """A lorry beside the car leans into its path, so that they touch some metres farther on."""
+    lean_rad, half_width_m = 0.14, 1.25
+    (way,) = ways_m((6.5, 2.2, -lean_rad, 0.0, 12.0, 2.0 * half_width_m))
+    from_middle_m = (2.2 - half_width_m / cos(lean_rad) - 0.5 * CAR.width_m) / tan(lean_rad)  # where the sides cross
+    front_m = CAR.l_r_m + 0.5 * CAR.length_m
+    assert 6.5 + from_middle_m - front_m <= way < 6.5 + from_middle_m - front_m + EVERY_M
+
+
+@pytest.mark.parametrize("d_m", [-0.7, 0.7])
+@pytest.mark.parametrize("speed_mps", [1.0, 5.5])
+def test_before_a_wall_across_the_road_the_car_stops_straight(d_m: float, speed_mps: float) -> None:
+    """It does not drive along the wall, past whose end no car fits, in search of a gap, and does not creep for long."""
     on, planner = road(), SpacetimePlanner(settings.load(), CAR)
     seen = tracks(on, (WALL_M, d_m, 0.0, 0.0, 0.5, 9.0))
-    now = scene(on, seen, speed_mps=speed_mps)
+    now, turned_rad, creeps_s = scene(on, seen, speed_mps=speed_mps), 0.0, 0.0
     for _ in range(150):
         now = followed(now, planner.plan(now), now.time_s + 0.1)
+        turned_rad, creeps_s = max(turned_rad, abs(now.ego.yaw_rad)), creeps_s + 0.1 * (0.05 < now.ego.speed_mps < 0.4)
     assert now.ego.speed_mps < 0.05
-    assert abs(now.ego.yaw_rad) < 0.15
+    assert turned_rad < 0.1
+    assert creeps_s < 4.0
     assert 2.7 < WALL_M - 0.25 - 0.5 * CAR.length_m - now.ego.s_m < 3.5
+
+
+def test_a_car_without_reference_speed_stands() -> None:
+    """A blind car's reference is 0: it rolls no farther, however slow it is."""
+    on, planner = road(), SpacetimePlanner(settings.load(), CAR)
+    now = scene(on, tracks(on), speed_mps=0.39, reference_mps=0.0)
+    for _ in range(20):
+        now = followed(now, planner.plan(now), now.time_s + 0.1)
+    assert now.ego.speed_mps < 0.01

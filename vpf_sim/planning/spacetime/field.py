@@ -13,7 +13,6 @@ from vpf_sim.scene.road import Road
 from vpf_sim.types import Bools, Reals
 
 LEAST_REFERENCE_MPS = 0.1
-CREEPING_MPS, CREEPING_SHARE = 0.4, 0.14  # at most, and of the reference
 END_SHARE = np.float32(0.5)
 AHEAD_M, EVERY_M = 600.0, 4.0  # of the road beyond the horizon
 LANE_CHANGE_S = 6.0  # wanted for each lane that has to be crossed before the lane ends
@@ -21,7 +20,7 @@ MOST_ONCOMING_M = 3.0
 
 
 def field(cost: CostSettings, motions: Motions, leads: Bools, road: Road, reference_mps: float) -> dict[str, Reals]:
-    """(P, M) each, by the potential's name; `leads` (P, M, T) is whether the way there leads on."""
+    """(P, M) each, by the potential's name; `leads` (P, M, T) is true where the path still leads on."""
     return {
         "target": target(cost, motions, leads, road, reference_mps),
         "road": road_potential(cost, motions, road.overhang_m),
@@ -32,15 +31,11 @@ def field(cost: CostSettings, motions: Motions, leads: Bools, road: Road, refere
 def target(cost: CostSettings, motions: Motions, leads: Bools, road: Road, reference_mps: float) -> Reals:
     """Speed that is lacking and distance from the route, both on the whole and at the end.
 
-    Speed on a way that leads nowhere is as good as none, and so is creeping: a car stops in one go.
+    Speed where the path does not lead on is as good as none.
     """
     reference = max(reference_mps, LEAST_REFERENCE_MPS)
-    useful = np.where(
-        leads & (motions.speed_mps > min(CREEPING_MPS, CREEPING_SHARE * reference_mps)),
-        motions.speed_mps,
-        np.float32(0.0),
-    )
-    lacking = ((useful - np.float32(reference_mps)) / np.float32(reference)) ** 2
+    lacking = ((motions.speed_mps - np.float32(reference_mps)) / np.float32(reference)) ** 2
+    lacking = np.where(leads, lacking, np.maximum(lacking, np.float32((reference_mps / reference) ** 2)))
     off = np.abs(motions.d_m - np.float32(road.route_m))
     return np.asarray(cost.speed * _whole_and_end(lacking) + cost.route * _whole_and_end(off), np.float32)
 

@@ -18,7 +18,7 @@ from vpf_sim.planning.spacetime.motion import Motion, Rejected
 from vpf_sim.planning.spacetime.motions import Motions, motions, path_second, rear_axle, rear_speed
 from vpf_sim.planning.spacetime.obstacles import ObstaclePotential
 from vpf_sim.planning.spacetime.settings import SpacetimeSettings
-from vpf_sim.planning.spacetime.way import way_m
+from vpf_sim.planning.spacetime.way import leads_on, way_m
 from vpf_sim.scene import Scene, predict
 from vpf_sim.scene.road import stretch_at
 from vpf_sim.types import Reals, VehicleModel
@@ -48,7 +48,7 @@ class SpacetimePlanner:
         prices = limits.prices(self._settings.limits, considered, self._times_s, scene.road.overhang_m)
         objects = self._objects(scene)
         way = way_m(scene, start, paths, self._vehicle, objects.quantile) - objects.standing_gap_m
-        leads = profiles.travelled_m < way[:, None, None]
+        leads = leads_on(way, profiles)
         potentials = field(self._settings.cost, considered, leads, scene.road, scene.speed_reference_mps)
         beyond = self._ending_lanes(scene, start, paths)
         shape = considered.d_m.shape[:2]

@@ -9,18 +9,19 @@ from vpf_sim.planning.spacetime.candidates import Paths, PathState, Profiles
 from vpf_sim.planning.spacetime.motions import motions
 from vpf_sim.planning.spacetime.obstacles import Body, gaps
 from vpf_sim.scene import Road, Scene, Tracks, predict
-from vpf_sim.types import Reals, VehicleModel
+from vpf_sim.types import Bools, Reals, VehicleModel
 
 STANDING_MPS = 0.1
 AHEAD_M, EVERY_M = 20.0, 1.0  # of a path
 NOW = np.zeros(1)
+CREEPING_MPS = 0.4
 
 
 def way_m(scene: Scene, start: PathState, paths: Paths, vehicle: VehicleModel, quantile: float) -> Reals:
     """(P,) m along the road from the car's front to what stands on each path; inf where nothing does.
 
-    Objects are larger by `quantile` standard deviations of their place. The way is the same for all paths that meet an
-    object: a car that turns before a wall gets no farther.
+    A path meets an object whose rectangle, larger by `quantile` standard deviations of its place, overlaps the car's.
+    The way is the same for all paths that meet an object: a car that turns before a wall gets no farther.
     """
     ways = np.full(len(paths.start_m), np.inf)
     standing = scene.tracks.select(
@@ -37,8 +38,16 @@ def way_m(scene: Scene, start: PathState, paths: Paths, vehicle: VehicleModel, q
         gap = gaps(body, now, k, along.origin_m, quantile)
         meets = np.maximum.reduce([gap.along, gap.across, gap.object_along, gap.object_across]) < 0.0
         meets &= ~meets[:, :1]  # what may already touch the car closes no way: all paths begin there
-        ways = np.minimum(ways, np.where(meets.any(axis=1), near_m[k], np.inf))
+        end_m = near_m[k] if near_m[k] > 0.0 else ahead[meets.argmax(axis=1)]  # it begins beside the car
+        ways = np.minimum(ways, np.where(meets.any(axis=1), end_m, np.inf))
     return ways
+
+
+def leads_on(way_m: Reals, profiles: Profiles) -> Bools:
+    """(P, M, T) whether a path leads on from where a motion is then; to its end a car drives, and does not creep."""
+    way = way_m[:, None, None]
+    leads: Bools = (profiles.travelled_m < way) & (np.isinf(way) | (profiles.speed_mps > CREEPING_MPS))
+    return leads
 
 
 def _near_side_m(road: Road, tracks: Tracks) -> Reals:
