@@ -155,7 +155,16 @@ def test_the_default_rules_are_for_the_scenarios_of_the_gate(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     gates = Plan(("gate-course", "gate-traffic"), ("clear", "rain"), ("pid",), "0:2")
-    assert cli.run(["check", str(run(tmp_path / "good", lambda _: {"path_mse_m2": 0.1}, gates)), "--json"]) == 0
+    assert (
+        cli.run(
+            [
+                "check",
+                str(run(tmp_path / "good", lambda _: {"path_mse_m2": 0.1, "min_clearance_m": 1.0}, gates)),
+                "--json",
+            ]
+        )
+        == 0
+    )
     assert {row["outcome"] for row in json.loads(capsys.readouterr().out)["checks"]} <= {"passed", "skipped"}
     assert cli.run(["check", str(run(tmp_path / "other", lambda _: {}))]) == 2
     assert "without --rules, expected the scenarios gate-course and gate-traffic, got" in capsys.readouterr().err
@@ -167,7 +176,7 @@ def test_the_default_rules_are_for_the_scenarios_of_the_gate(
         ("gate-course", "rain", {"min_clearance_m": 0.3}, None),
         ("gate-course", "clear", {"min_clearance_m": 0.3}, "clearance_m_at_least 0.4"),
         ("gate-traffic", "rain", {"min_clearance_m": 0.1}, "clearance_m_at_least 0.2"),
-        ("gate-traffic", "clear", {"perception": {"objects": {"precision": 0.3}}}, "precision_at_least 0.35"),
+        ("gate-traffic", "clear", {"perception": {"objects": {"precision": 0.2}}}, "precision_at_least 0.25"),
         ("gate-course", "rain", {"perception": {"objects": {"precision": 0.5}}}, "precision_at_least 0.6"),
         ("gate-course", "clear", {"status": "collision", "collisions": 1}, "success_rate_at_least 1"),
     ],
@@ -182,7 +191,7 @@ def test_the_default_rules_find_a_regression_in_one_cell(
 ) -> None:
     """Each limit is checked once in a cell, also where a tighter one is for its weather."""
     gates = Plan(("gate-course", "gate-traffic"), ("clear", "rain"), ("vpf",), "0:1")
-    good = {"perception": {"objects": {"precision": 1.0}}}
+    good = {"perception": {"objects": {"precision": 1.0}}, "min_clearance_m": 1.0}
 
     def driven(job: Job) -> dict[str, Any]:
         return {**good, **(change if job[:2] == (scenario, weather) else {})}
