@@ -36,8 +36,7 @@ def gaps_to(
 
 
 def largest_gap(*arguments: Any) -> float:
-    found = gaps_to(*arguments)
-    return float(np.max([found.along, found.across, found.object_along, found.object_across]))
+    return float(gaps_to(*arguments).largest[0, 0])
 
 
 @given(COORDINATE, COORDINATE, ANGLE, st.floats(0.3, 6.0), st.floats(0.3, 3.0))

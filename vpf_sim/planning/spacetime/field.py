@@ -20,7 +20,7 @@ MOST_ONCOMING_M = 3.0
 
 
 def field(cost: CostSettings, motions: Motions, leads: Bools, road: Road, reference_mps: float) -> dict[str, Reals]:
-    """(P, M) each, by the potential's name; `leads` (P, M, T) is true where the path still leads on."""
+    """(P, M) each, by the potential's name; `leads`, which spreads to (P, M, T), is true where the path leads on."""
     return {
         "target": target(cost, motions, leads, road, reference_mps),
         "road": road_potential(cost, motions, road.overhang_m),

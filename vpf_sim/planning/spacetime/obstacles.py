@@ -47,6 +47,12 @@ class Gaps(NamedTuple):
     same_way: Reals  # of the car's heading, in the object's axes
     other_way: Reals
 
+    @property
+    def largest(self) -> Reals:
+        """(N, T) m, along the axis that shows most."""
+        most: Reals = np.maximum.reduce([self.along, self.across, self.object_along, self.object_across])
+        return most
+
 
 @dataclass(frozen=True, slots=True)
 class Body:

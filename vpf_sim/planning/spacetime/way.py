@@ -36,16 +36,21 @@ def way_m(scene: Scene, start: PathState, paths: Paths, vehicle: VehicleModel, q
     near_m = _near_side_m(scene.road, standing) - (start.s_m + vehicle.l_r_m + 0.5 * vehicle.length_m)
     for k in range(len(standing)):
         gap = gaps(body, now, k, along.origin_m, quantile)
-        meets = np.maximum.reduce([gap.along, gap.across, gap.object_along, gap.object_across]) < 0.0
+        meets = gap.largest < 0.0
         meets &= ~meets[:, :1]  # what may already touch the car closes no way: all paths begin there
         end_m = near_m[k] if near_m[k] > 0.0 else ahead[meets.argmax(axis=1)]  # it begins beside the car
         ways = np.minimum(ways, np.where(meets.any(axis=1), end_m, np.inf))
     return ways
 
 
-def leads_on(way_m: Reals, profiles: Profiles) -> Bools:
-    """(P, M, T) whether a path leads on from where a motion is then; to its end a car drives, and does not creep."""
-    way = way_m[:, None, None]
+def leads_on(ways_m: Reals, profiles: Profiles) -> Bools:
+    """Whether a path leads on from where a motion is then; to its end a car drives, and does not creep.
+
+    (P, M, T), or (1, 1, 1) where all ways are free.
+    """
+    if np.isinf(ways_m).all():
+        return np.ones((1, 1, 1), bool)
+    way = ways_m[:, None, None]
     leads: Bools = (profiles.travelled_m < way) & (np.isinf(way) | (profiles.speed_mps > CREEPING_MPS))
     return leads
 
