@@ -155,16 +155,8 @@ def test_the_default_rules_are_for_the_scenarios_of_the_gate(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     gates = Plan(("gate-course", "gate-traffic"), ("clear", "rain"), ("pid",), "0:2")
-    assert (
-        cli.run(
-            [
-                "check",
-                str(run(tmp_path / "good", lambda _: {"path_mse_m2": 0.1, "min_clearance_m": 1.0}, gates)),
-                "--json",
-            ]
-        )
-        == 0
-    )
+    good = run(tmp_path / "good", lambda _: {"path_mse_m2": 0.1, "min_clearance_m": 1.0}, gates)
+    assert cli.run(["check", str(good), "--json"]) == 0
     assert {row["outcome"] for row in json.loads(capsys.readouterr().out)["checks"]} <= {"passed", "skipped"}
     assert cli.run(["check", str(run(tmp_path / "other", lambda _: {}))]) == 2
     assert "without --rules, expected the scenarios gate-course and gate-traffic, got" in capsys.readouterr().err

@@ -41,11 +41,12 @@ def test_the_way_is_drawn_where_it_leads(side: float) -> None:
 
 
 def test_the_reasons_are_named_most_first() -> None:
-    plan = plan_of(*((14.0, d, 0.0, 0.0, 4.5, 3.4) for d in (-LANE_M, 0.0, LANE_M))).extra
+    """Of cars that drive at a walking pace: motions towards what stands are not compared so far."""
+    plan = plan_of(*((14.0, d, 0.0, 0.5, 4.5, 3.4) for d in (-LANE_M, 0.0, LANE_M))).extra
     assert isinstance(plan, MotionPlan)
     counts = plan.motion.rejected._asdict()
     words = reasons(plan)
+    assert words[0] == f"collision {max(counts.values())}"
     numbers = [int(word.split()[-1]) for word in words]
-    assert numbers == sorted(counts.values(), reverse=True)[: len(words)]
-    assert f"collision {counts['collision']}" in words
+    assert numbers == sorted(numbers, reverse=True)
     assert len(words) == sum(count > 0 for count in counts.values())
