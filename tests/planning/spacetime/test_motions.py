@@ -42,13 +42,13 @@ def points(on: Road, d_m: float, course_rad: float) -> np.ndarray:
 def test_the_body_is_where_its_rear_axle_says(radius_m: float, d_m: float, course_rad: float) -> None:
     on = road(1.0 / radius_m)
     found, (middle, *corners) = standing(on, d_m, course_rad), points(on, d_m, course_rad)
-    x, y = (value[0, 0, 0] for value in (found.x_m, found.y_m))
+    x, y = (value[0, 0] for value in (found.x_m, found.y_m))
     assert (x + found.origin_m[0], y + found.origin_m[1]) == pytest.approx(tuple(middle), abs=1e-3)
     _, d = on.place_at(*np.array([middle, *corners]).T, np.full(5, S_M))
-    assert found.d_m[0, 0, 0] == pytest.approx(d[0], abs=0.01)
-    assert found.leftmost_m[0, 0, 0] == pytest.approx(d[1:].min(), abs=0.1)
-    assert found.rightmost_m[0, 0, 0] == pytest.approx(d[1:].max(), abs=0.1)
-    assert room_m(found, 0.0)[0, 0, 0] == pytest.approx(min(d[1:].min() + EDGE_M, EDGE_M - d[1:].max()), abs=0.1)
+    assert found.d_m[0, 0] == pytest.approx(d[0], abs=0.01)
+    assert found.leftmost_m[0, 0] == pytest.approx(d[1:].min(), abs=0.1)
+    assert found.rightmost_m[0, 0] == pytest.approx(d[1:].max(), abs=0.1)
+    assert room_m(found, 0.0)[0, 0] == pytest.approx(min(d[1:].min() + EDGE_M, EDGE_M - d[1:].max()), abs=0.1)
 
 
 @BENDS
@@ -64,7 +64,7 @@ def test_the_rear_axle_is_found_from_the_middle(radius_m: float, d_m: float, cou
 def test_the_edges_are_those_beside_the_middle() -> None:
     on = road()
     narrower = replace(on, left_m=np.where(on.station_m < S_M + 0.5, on.left_m, on.left_m + 1.0))
-    assert standing(narrower, 0.0, 0.0).left_m[0, 0, 0] == pytest.approx(-EDGE_M + 1.0)
+    assert standing(narrower, 0.0, 0.0).left_m[0] == pytest.approx(-EDGE_M + 1.0)
 
 
 @pytest.mark.parametrize(("turn", "own_per_m", "road_per_m", "d_m"), [(0.0, 0.1, 0.06, 5.0), (0.4, -0.2, -0.05, -3.0)])

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from made_scene import road, tracks
 
 from vpf_sim.envs.contacts import distance
-from vpf_sim.planning.spacetime.obstacles import Body, Gaps, gaps, nearness_m, turning_gap_m, way_ahead
+from vpf_sim.planning.spacetime.obstacles import turning_gap_m
+from vpf_sim.planning.spacetime.rectangles import Gaps, Rectangles, gaps, nearness_m, way_ahead
 from vpf_sim.scene import predict
 from vpf_sim.types import VehicleModel
 
@@ -30,9 +31,9 @@ def gaps_to(
     """Of the object at a place to a car of 4.5 x 1.9 m at the origin."""
     made = tracks(road(), (*place, 0.0, *size))
     made.covariance[0, 0, 0] = sigma**2
-    one = np.zeros((1, 1), np.float32)
-    body = Body(one, one, one + 1.0, one, one, 2.25, 0.95)
-    return gaps(body, predict(road(), made, NOW), 0, (0.0, 0.0), quantile)
+    at_origin = np.zeros((1, 1), np.float32)
+    car = Rectangles.of_car([at_origin] * 3, VehicleModel())
+    return gaps(car, Rectangles.of_tracks(predict(road(), made, NOW), (0.0, 0.0), quantile))
 
 
 def largest_gap(*arguments: Any) -> float:

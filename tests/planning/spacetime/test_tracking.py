@@ -63,7 +63,7 @@ def test_the_front_is_where_the_motion_says_while_the_wheels_turn(speed_mps: flo
     on = road()
     motion = planned(on, ((9.4 + speed_mps, 0.5, 0.0, 0.0, 4.5, 1.9),), speed_mps, 5.5)
     plan = motions(on, motion.start, motion.path, motion.profile, VEHICLE)
-    x, y, heading = (values[0, 0, :12] for values in (plan.x_m, plan.y_m, plan.heading_rad))
+    x, y, heading = (plan.in_time(values)[0, 0, :12] for values in plan.poses)
     front = plan.origin_m[0] + x + FRONT_M * np.cos(heading), plan.origin_m[1] + y + FRONT_M * np.sin(heading)
     assert np.ptp(front[1]) > 1.0
     car, control, driven_m = Bicycle(speed_mps=speed_mps), Gtsmc(load_gains("motion"), VEHICLE, 60.0), []

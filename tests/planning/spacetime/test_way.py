@@ -7,9 +7,10 @@ import pytest
 from made_scene import LANE_M, followed, road, scene, tracks
 
 from vpf_sim.planning.spacetime import settings
-from vpf_sim.planning.spacetime.candidates import Paths, PathState
+from vpf_sim.planning.spacetime.candidates import Paths, PathState, Profiles
+from vpf_sim.planning.spacetime.motions import AHEAD_M, motions
 from vpf_sim.planning.spacetime.planner import SpacetimePlanner
-from vpf_sim.planning.spacetime.way import AHEAD_M, EVERY_M, way_m
+from vpf_sim.planning.spacetime.way import EVERY_M, way_m
 from vpf_sim.types import VehicleModel
 
 CAR = VehicleModel()
@@ -26,7 +27,8 @@ def straight(*sides_m: float) -> Paths:
 
 def ways_m(*objects: tuple[float, ...], sides_m: tuple[float, ...] = (0.0,)) -> list[float]:
     on, start = road(), PathState(0.0, 0.0, 0.0, 0.0, 1.0, 0.0)
-    found: list[float] = way_m(scene(on, tracks(on, *objects)), start, straight(*sides_m), CAR, 1.28).tolist()
+    considered = motions(on, start, straight(*sides_m), Profiles(*np.zeros((3, 1, 2))), CAR)
+    found: list[float] = way_m(scene(on, tracks(on, *objects)), start, considered, CAR, 1.28).tolist()
     return found
 
 

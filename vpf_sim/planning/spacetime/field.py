@@ -5,12 +5,13 @@ The paper's fields with a third coordinate, time: a candidate's cost is the mean
 
 import numpy as np
 
-from vpf_sim.planning.spacetime.candidates import PathState
+from vpf_sim.planning.spacetime.candidates import PathState, Profiles
 from vpf_sim.planning.spacetime.limits import room_m
 from vpf_sim.planning.spacetime.motions import Motions
 from vpf_sim.planning.spacetime.settings import CostSettings
+from vpf_sim.planning.spacetime.way import leads_on
 from vpf_sim.scene.road import Road
-from vpf_sim.types import Bools, Reals
+from vpf_sim.types import Reals
 
 LEAST_REFERENCE_MPS = 0.1
 END_SHARE = np.float32(0.5)
@@ -19,31 +20,36 @@ LANE_CHANGE_S = 6.0  # wanted for each lane that has to be crossed before the la
 MOST_ONCOMING_M = 3.0
 
 
-def field(cost: CostSettings, motions: Motions, leads: Bools, road: Road, reference_mps: float) -> dict[str, Reals]:
-    """(P, M) each, by the potential's name; `leads`, which spreads to (P, M, T), is true where the path leads on."""
+def field(
+    cost: CostSettings, motions: Motions, ways_m: Reals, profiles: Profiles, road: Road, reference_mps: float
+) -> dict[str, Reals]:
+    """(P, M) each, by the potential's name; `ways_m` (P,) is how far the paths lead."""
     return {
-        "target": target(cost, motions, leads, road, reference_mps),
+        "speed": speed(cost, profiles, ways_m, reference_mps),
+        "route": route(cost, motions, road.route_m),
         "road": road_potential(cost, motions, road.overhang_m),
         "comfort": comfort(cost, motions),
     }
 
 
-def target(cost: CostSettings, motions: Motions, leads: Bools, road: Road, reference_mps: float) -> Reals:
-    """Speed that is lacking and distance from the route, both on the whole and at the end.
+def speed(cost: CostSettings, profiles: Profiles, ways_m: Reals, reference_mps: float) -> Reals:
+    """Target potential along the road: speed that is lacking, on the whole and at the end.
 
     Speed where the path does not lead on is as good as none.
     """
+    distinct, path = np.unique(ways_m, return_inverse=True)
     reference = max(reference_mps, LEAST_REFERENCE_MPS)
-    lacking = ((motions.speed_mps - np.float32(reference_mps)) / np.float32(reference)) ** 2
-    lacking = np.where(leads, lacking, np.maximum(lacking, np.float32((reference_mps / reference) ** 2)))
-    off = np.abs(motions.d_m - np.float32(road.route_m))
-    return np.asarray(cost.speed * _whole_and_end(lacking) + cost.route * _whole_and_end(off), np.float32)
+    lacking = ((profiles.speed_mps - reference_mps) / reference) ** 2
+    lacking = np.where(leads_on(distinct, profiles), lacking, np.maximum(lacking, (reference_mps / reference) ** 2))
+    found: Reals = cost.speed * (lacking.mean(axis=2) + END_SHARE * lacking[..., -1])
+    return found[path].astype(np.float32)
 
 
-def _whole_and_end(values: Reals) -> Reals:
-    """(P, M) mean in time, and half the last value, which stands for the time beyond the horizon."""
-    whole: Reals = values.mean(axis=2) + END_SHARE * values[..., -1]
-    return whole
+def route(cost: CostSettings, motions: Motions, route_m: float) -> Reals:
+    """Target potential across the road: distance from the route, on the whole and at the end."""
+    off = np.abs(motions.d_m - np.float32(route_m))
+    found: Reals = np.float32(cost.route) * (motions.mean(off) + END_SHARE * motions.last(off))
+    return found
 
 
 def ending_lanes(cost: CostSettings, road: Road, start: PathState, width_m: float, ends_m: Reals) -> Reals:
@@ -51,24 +57,27 @@ def ending_lanes(cost: CostSettings, road: Road, start: PathState, width_m: floa
     ahead = np.arange(EVERY_M, AHEAD_M, EVERY_M)
     section = road.at(start.s_m + ahead)
     low, high = section.left_m + 0.5 * width_m, section.right_m - 0.5 * width_m
-    shift = np.maximum(np.maximum(low - ends_m[:, None], ends_m[:, None] - high), 0.0) - road.overhang_m
+    found, paths = np.zeros(len(ends_m)), np.flatnonzero((ends_m < low.max()) | (ends_m > high.min()))
+    ends = ends_m[paths, None]
+    shift = np.maximum(np.maximum(low - ends, ends - high), 0.0) - road.overhang_m
     wanted_s = LANE_CHANGE_S * shift / road.lane_width_m
     lacking = 1.0 - ahead / max(start.speed_mps, LEAST_REFERENCE_MPS) / np.maximum(wanted_s, 1e-9)
-    most: Reals = np.where(shift > 0.0, np.maximum(lacking, 0.0), 0.0).max(axis=1)
-    return cost.lane_end * most
+    found[paths] = cost.lane_end * np.where(shift > 0.0, np.maximum(lacking, 0.0), 0.0).max(axis=1)
+    return found
 
 
 def road_potential(cost: CostSettings, motions: Motions, overhang_m: float) -> Reals:
     """Nearness of the edges, distance from the lanes' middles, and the width that is in oncoming lanes."""
     room = np.maximum(room_m(motions, overhang_m), 0.0)
-    edges = cost.edge * np.exp(-room / np.float32(cost.edge_scale_m)).mean(axis=2)
-    lanes = cost.lane * (motions.lane_offset_m**2).mean(axis=2)
-    over = np.clip(motions.own_left_m - motions.leftmost_m, 0.0, MOST_ONCOMING_M)
-    return np.asarray(edges + lanes + cost.oncoming * over.mean(axis=2), np.float32)
+    potential = np.float32(cost.edge) * np.exp(-room / np.float32(cost.edge_scale_m))
+    potential += np.float32(cost.lane) * motions.lane_offset_m**2
+    potential += np.float32(cost.oncoming) * np.clip(motions.own_left_m - motions.leftmost_m, 0.0, MOST_ONCOMING_M)
+    return motions.mean(potential)
 
 
 def comfort(cost: CostSettings, motions: Motions) -> Reals:
     """Mean squared accelerations."""
-    lateral = motions.speed_mps**2 * motions.curvature_per_m
-    along = (motions.acceleration_mps2**2).mean(axis=2)
-    return np.asarray(cost.acceleration * along + cost.lateral * (lateral**2).mean(axis=2), np.float32)
+    along = (motions.acceleration_mps2**2).mean(axis=1)
+    lateral = motions.mean(motions.curvature_per_m**2, motions.speed_mps**4)
+    found: Reals = np.float32(cost.acceleration) * along + np.float32(cost.lateral) * lateral
+    return found

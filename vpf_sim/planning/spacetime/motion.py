@@ -81,6 +81,7 @@ class MotionPlan(PlanDetails):
         """(T, 2) places of the car's middle in vehicle axes, at the motion's times."""
         one = self.motion
         driven = motions(self.road, one.start, one.path, one.profile, self.vehicle)
-        x, y = driven.origin_m[0] + driven.x_m[0, 0], driven.origin_m[1] + driven.y_m[0, 0]
+        x, y, _ = (driven.in_time(values)[0, 0] for values in driven.poses)
+        x, y = driven.origin_m[0] + x, driven.origin_m[1] + y
         x, y, yaw = x - self.pose[0], y - self.pose[1], self.pose[2]
         return np.stack([np.cos(yaw) * x + np.sin(yaw) * y, np.cos(yaw) * y - np.sin(yaw) * x], axis=-1)

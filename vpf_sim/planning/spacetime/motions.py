@@ -1,4 +1,4 @@
-"""Candidates in the world: P paths x M profiles at T times.
+"""Candidates in the world: the car at N places of P paths, and where M profiles are then at T times.
 
 A path is that of the rear axle's middle. There a kinematic bicycle's heading is its course and its curvature that of
 its wheels, tan(steering) / wheelbase, also while the wheels turn: the rear axle is its flat output (Fliess, Levine,
@@ -14,39 +14,88 @@ import numpy as np
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.planning.spacetime.candidates import Paths, PathState, Profiles
 from vpf_sim.scene.road import LEAST_STRETCH, Road, stretch_at
-from vpf_sim.types import Reals, VehicleModel
+from vpf_sim.types import Integers, Reals, VehicleModel
 
 Real = TypeVar("Real", float, Reals)
+PLACES = 81
+AHEAD_M = 20.0  # of a path, at least
 
 
 @dataclass(frozen=True, slots=True)
 class Motions:
-    """Places are relative to `origin_m`, so that single precision has millimetres."""
+    """P paths with M profiles at T times.
+
+    A path has the car at N places, equally far apart along the road; between them all quantities are linear. Places
+    in the world are relative to `origin_m`, so that single precision has millimetres.
+    """
 
     origin_m: tuple[float, float]
-    x_m: Reals  # (P, M, T) of the car's middle, from the origin
+    ahead_m: Reals  # (N,) along the road from the start
+    x_m: Reals  # (P, N) of the car's middle, from the origin
     y_m: Reals
-    heading_rad: Reals  # (P, M, T) of the body
-    speed_mps: Reals  # (1, M, T)
-    acceleration_mps2: Reals  # (1, M, T)
-    d_m: Reals  # (P, M, T) of the car's middle
-    curvature_per_m: Reals  # (P, M, T) of the rear axle's path
-    leftmost_m: Reals  # (P, M, T) d of the body's corners
+    heading_rad: Reals  # (P, N) of the body
+    d_m: Reals  # (P, N) of the car's middle
+    curvature_per_m: Reals  # (P, N) of the rear axle's path
+    leftmost_m: Reals  # (P, N) d of the body's corners
     rightmost_m: Reals
-    left_m: Reals  # (1, M, T) the road's left edge where the car's middle is, about: edges change little by little
+    left_m: Reals  # (N,) the road's left edge where the car's middle is, about: edges change little by little
     right_m: Reals
     own_left_m: Reals
-    lane_offset_m: Reals  # (P, M, T) from the middle of the nearest lane
+    lane_offset_m: Reals  # (P, N) from the middle of the nearest lane
+    speed_mps: Reals  # (M, T)
+    acceleration_mps2: Reals  # (M, T)
+    cell: Integers  # (M, T) the place before
+    share: Reals  # (M, T) of the way to the next place
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """P and M."""
+        return len(self.x_m), len(self.cell)
+
+    @property
+    def poses(self) -> tuple[Reals, Reals, Reals]:
+        """(P, N) each: x m, y m from the origin and heading rad."""
+        return self.x_m, self.y_m, self.heading_rad
+
+    def in_time(self, values: Reals) -> Reals:
+        """(P, M, T) of quantities (P, N) at the places."""
+        steps = np.diff(values, axis=1)
+        found: Reals = np.take(values, self.cell, axis=1)
+        found += np.take(steps, self.cell, axis=1) * self.share
+        return found
+
+    def along(self, values: Reals, path: Integers, profile: Integers) -> Reals:
+        """(R, T) of quantities (P, N), for R motions by their paths and profiles."""
+        rows, cell = path[:, None], self.cell[profile]
+        before = values[rows, cell]
+        found: Reals = before + self.share[profile] * (values[rows, cell + 1] - before)
+        return found
+
+    def last(self, values: Reals) -> Reals:
+        """(P, M) of quantities (P, N), at the last time."""
+        cell, share = self.cell[:, -1], self.share[:, -1]
+        found: Reals = values[:, cell] + share * (values[:, cell + 1] - values[:, cell])
+        return found
+
+    def mean(self, values: Reals, weight: Reals | float = 1.0) -> Reals:
+        """(P, M) mean in time of quantities (P, N) by a weight (M, T)."""
+        weights = np.zeros((len(self.ahead_m), len(self.cell)), np.float32)
+        profile = np.arange(len(self.cell))[:, None]
+        np.add.at(weights, (self.cell, profile), weight * (1.0 - self.share))
+        np.add.at(weights, (self.cell + 1, profile), weight * self.share)
+        found: Reals = np.einsum("pn,nm->pm", values, weights) / np.float32(self.cell.shape[1])
+        return found
 
 
 def motions(road: Road, start: PathState, paths: Paths, profiles: Profiles, vehicle: VehicleModel) -> Motions:
     """All paths with all profiles."""
-    s = (start.s_m + profiles.travelled_m)[None]
+    ahead = np.linspace(0.0, max(AHEAD_M, float(profiles.travelled_m.max())), PLACES)
+    s = start.s_m + ahead
     here = road.at(s)
-    origin = float(here.x_m[0, 0, 0]), float(here.y_m[0, 0, 0])
+    origin = float(here.x_m[0]), float(here.y_m[0])
     rear_x, rear_y = (here.x_m - origin[0]).astype(np.float32), (here.y_m - origin[1]).astype(np.float32)
     heading, bend = (values.astype(np.float32) for values in (here.heading_rad, here.curvature_per_m))
-    d, slope, second = paths.at(s.astype(np.float32))
+    d, slope, second = paths.at(s[None].astype(np.float32))
     stretch = np.maximum(1.0 - bend * d, LEAST_STRETCH)
     turn = slope / stretch
     cosine = 1.0 / np.sqrt(1.0 + turn**2)  # of the course
@@ -60,12 +109,14 @@ def motions(road: Road, start: PathState, paths: Paths, profiles: Profiles, vehi
     front, back, half = vehicle.l_r_m + 0.5 * vehicle.length_m, vehicle.l_r_m - 0.5 * vehicle.length_m, 0.5 * cosine
     ends = d + sine * front - away * front**2, d + sine * back - away * back**2
     left, right_edge, own_left = (values.astype(np.float32) for values in road.at(beside_s)[4:])
+    place = profiles.travelled_m / ahead[1]
+    cell = np.minimum(place.astype(np.intp), PLACES - 2)
     return Motions(
-        origin, x, y, heading + np.arctan(turn),
-        profiles.speed_mps[None].astype(np.float32), profiles.acceleration_mps2[None].astype(np.float32),
-        middle, path_curvature(turn, second, bend, stretch),
+        origin, ahead, x, y, heading + np.arctan(turn), middle, path_curvature(turn, second, bend, stretch),
         np.minimum(*ends) - half * vehicle.width_m, np.maximum(*ends) + half * vehicle.width_m,
         left, right_edge, own_left, _lane_offset(road, beside_s, middle),
+        profiles.speed_mps.astype(np.float32), profiles.acceleration_mps2.astype(np.float32),
+        cell, (place - cell).astype(np.float32),
     )  # fmt: skip
 
 

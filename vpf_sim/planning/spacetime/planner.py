@@ -18,12 +18,12 @@ from vpf_sim.planning.spacetime.motion import Motion, Rejected
 from vpf_sim.planning.spacetime.motions import Motions, motions, path_second, rear_axle, rear_speed
 from vpf_sim.planning.spacetime.obstacles import ObstaclePotential
 from vpf_sim.planning.spacetime.settings import SpacetimeSettings
-from vpf_sim.planning.spacetime.way import leads_on, way_m
+from vpf_sim.planning.spacetime.way import way_m
 from vpf_sim.scene import Scene, predict
 from vpf_sim.scene.road import stretch_at
 from vpf_sim.types import Reals, VehicleModel
 
-BATCH = 200  # motions that are compared with the objects at a time
+BATCH = 100  # motions that are compared with the objects at a time
 ON_PLAN_M, ON_PLAN_RAD, ON_PLAN_MPS = 0.3, 0.1, 0.7  # a car that is nearer to its plan goes on from the plan
 LARGEST_ANGLE_RAD = 0.9
 SLOW_MPS = 0.3  # below it the yaw rate tells nothing of the curvature
@@ -47,17 +47,15 @@ class SpacetimePlanner:
         considered = motions(scene.road, start, paths, profiles, self._vehicle)
         prices = limits.prices(self._settings.limits, considered, self._times_s, scene.road.overhang_m)
         objects = self._objects(scene)
-        way = way_m(scene, start, paths, self._vehicle, objects.quantile) - objects.standing_gap_m
-        leads = leads_on(way, profiles)
-        potentials = field(self._settings.cost, considered, leads, scene.road, scene.speed_reference_mps)
+        ways = way_m(scene, start, considered, self._vehicle, objects.quantile) - objects.standing_gap_m
+        potentials = field(self._settings.cost, considered, ways, profiles, scene.road, scene.speed_reference_mps)
         beyond = self._ending_lanes(scene, start, paths)
-        shape = considered.d_m.shape[:2]
-        price = np.broadcast_to(sum(prices.values()), shape).ravel()
+        price = np.broadcast_to(sum(prices.values()), considered.shape).ravel()
         cost = sum(potentials.values()) + beyond[:, None] + self._changes(scene, start, paths, profiles)
-        cost = np.broadcast_to(cost, shape).ravel() + price
+        cost = np.broadcast_to(cost, considered.shape).ravel() + price
         best, least, contact_price, collisions = self._cheapest(objects, considered, cost)
-        p, m = divmod(best, shape[1])
-        rejected = _reasons(prices, shape, collisions)
+        p, m = divmod(best, considered.shape[1])
+        rejected = _reasons(prices, considered.shape, collisions)
         broken = float(price[best]) + contact_price > REJECTED
         self.motion = Motion(
             scene.time_s, start, paths.only(p), profiles.only(m), self._times_s, least, rejected, broken
