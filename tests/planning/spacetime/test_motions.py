@@ -61,6 +61,44 @@ def test_the_rear_axle_is_found_from_the_middle(radius_m: float, d_m: float, cou
     assert rear_axle(on, float(s[0]), float(d[0]), yaw, CAR) == pytest.approx((S_M, d_m, course_rad), abs=0.02)
 
 
+def swerves(on: Road, speed_mps: float) -> tuple[Motions, np.ndarray, np.ndarray]:
+    """Two paths, 3 m to either side within some lengths, each driven fast and slowly; and their d(s), s as they go."""
+    start, length_m = PathState(S_M, 0.0, 0.0, 0.0, speed_mps, 0.0), max(8.0, 1.4 * speed_mps)
+    coefficients = np.array([[0.0, 0.0, 0.0, 10.0 * side, -15.0 * side, 6.0 * side] for side in (-3.0, 3.0)])
+    paths = Paths(np.full(2, S_M), np.full(2, length_m), coefficients)
+    speeds = np.array([[speed_mps], [0.3 * speed_mps]]) * np.ones(26)
+    travelled = speeds * np.arange(0.0, 5.1, 0.2)
+    found = motions(on, start, paths, Profiles(travelled, speeds, 0.0 * speeds), CAR)
+    return found, S_M + travelled, paths.at((S_M + travelled)[None])[0]
+
+
+@BENDS
+@pytest.mark.parametrize("speed_mps", [0.2, 5.5, 25.0])
+def test_between_its_places_a_path_is_where_it_should_be(radius_m: float, speed_mps: float) -> None:
+    """The rear axle is at d(s), and the middle before it in the direction in which the rear axle moves."""
+    on = road(1.0 / radius_m)
+    found, s, d = swerves(on, speed_mps)
+    inside = s < 120.0
+    x, y, heading = (found.in_time(values) for values in found.poses)
+    rear_x = x + found.origin_m[0] - CAR.l_r_m * np.cos(heading)
+    rear_y = y + found.origin_m[1] - CAR.l_r_m * np.sin(heading)
+    exact_x, exact_y, _ = on.world(np.broadcast_to(s, d.shape), d)
+    off_m = np.hypot(rear_x - exact_x, rear_y - exact_y)[:, inside]
+    assert off_m.max() < 0.03
+
+
+def test_a_mean_in_time_and_single_motions_are_those_of_all_times() -> None:
+    found, _, _ = swerves(road(1.0 / 60.0), 5.5)
+    in_time = found.in_time(found.d_m)
+    np.testing.assert_allclose(found.mean(found.d_m), in_time.mean(axis=2), atol=1e-5)
+    np.testing.assert_allclose(
+        found.mean(found.d_m, found.speed_mps), (in_time * found.speed_mps).mean(axis=2), atol=1e-4
+    )
+    np.testing.assert_allclose(found.last(found.d_m), in_time[..., -1], atol=1e-6)
+    path, profile = np.array([1, 0, 0]), np.array([0, 1, 0])
+    np.testing.assert_allclose(found.along(found.d_m, path, profile), in_time[path, profile], atol=1e-6)
+
+
 def test_the_edges_are_those_beside_the_middle() -> None:
     on = road()
     narrower = replace(on, left_m=np.where(on.station_m < S_M + 0.5, on.left_m, on.left_m + 1.0))

@@ -8,10 +8,13 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from made_scene import road, tracks
+from made_scene import road, scene, tracks
 
 from vpf_sim.envs.contacts import distance
-from vpf_sim.planning.spacetime.obstacles import turning_gap_m
+from vpf_sim.planning.spacetime import settings
+from vpf_sim.planning.spacetime.candidates import Paths, PathState, Profiles
+from vpf_sim.planning.spacetime.motions import motions
+from vpf_sim.planning.spacetime.obstacles import ObstaclePotential, turning_gap_m
 from vpf_sim.planning.spacetime.rectangles import Gaps, Rectangles, gaps, nearness_m, way_ahead
 from vpf_sim.scene import predict
 from vpf_sim.types import VehicleModel
@@ -101,3 +104,32 @@ def test_the_turning_gap_is_what_a_circle_on_full_lock_needs() -> None:
         angle = yaw - np.arctan2(vehicle.width_m, vehicle.length_m)
         farthest_m = max(farthest_m, x + corner * np.cos(angle))
     assert turning_gap_m(vehicle, curvature) == pytest.approx(farthest_m - 0.5 * vehicle.length_m, abs=0.01)
+
+
+def costs_beside(gap_m: float, ahead_m: float = 5.0, speed_mps: float = 5.0) -> tuple[float, float]:
+    """Price of contacts, and cost of nearness and distance, of a car that drives past a parked one for five seconds."""
+    on, planner = road(), settings.load()
+    start, times = PathState(0.0, 0.0, 0.0, 0.0, speed_mps, 0.0), np.arange(0.0, 5.1, 0.2)
+    path = Paths(np.zeros(1), np.ones(1), np.zeros((1, 6)))
+    speeds = np.full((1, len(times)), speed_mps)
+    driven = motions(on, start, path, Profiles(speeds * times, speeds, 0.0 * speeds), VehicleModel())
+    now = scene(on, tracks(on, (ahead_m, 1.9 + gap_m, 0.0, 0.0, 4.5, 1.9)), speed_mps=speed_mps)
+    prediction = predict(on, now.tracks, times)
+    objects = ObstaclePotential(planner.limits, planner.cost, prediction, times, VehicleModel(), now)
+    price, near = objects.of(driven, np.array([0]))
+    return float(price[0]), float(near[0])
+
+
+def test_the_cost_of_an_object_falls_steadily_to_nothing_with_its_distance() -> None:
+    costs = np.array([costs_beside(gap_m)[1] for gap_m in np.arange(0.3, 4.0, 0.02)])
+    assert costs[0] > 0.3
+    assert (np.diff(costs) <= 1e-6).all()
+    assert np.abs(np.diff(costs)).max() < 0.1 * costs[0]
+    assert costs[-1] == 0.0
+
+
+@pytest.mark.parametrize("ahead_m", [14.0, 24.0, 60.0])
+def test_an_object_in_the_way_is_met_at_any_distance_that_is_reached(ahead_m: float) -> None:
+    price, near = costs_beside(-1.9, ahead_m, 15.0)
+    assert price > 0.0
+    assert near > 0.0
