@@ -49,5 +49,4 @@ def test_candidates_are_rejected_for_what_they_break() -> None:
     wall = plan_of(0.0, 0.0, *((24.0, d, 0.0, 0.0, 4.5, 3.4) for d in (-LANE_M, 0.0, LANE_M))).motion.rejected
     assert free.collision == 0 < wall.collision
     bend = plan_of(1.0 / 12.0, 0.0).motion.rejected
-    sharp, straight = (one.lateral_acceleration + one.curvature for one in (bend, free))
-    assert sharp / sum(bend) > straight / sum(free)
+    assert bend.lateral_acceleration / sum(bend) > free.lateral_acceleration / sum(free)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from made_scene import EDGE_M, road
 
+from vpf_sim.geometry import wrap_angles
 from vpf_sim.planning.spacetime import settings
 from vpf_sim.planning.spacetime.candidates import Paths, PathState, Profiles
 from vpf_sim.planning.spacetime.limits import room_m
@@ -61,30 +62,38 @@ def test_the_rear_axle_is_found_from_the_middle(radius_m: float, d_m: float, cou
     assert rear_axle(on, float(s[0]), float(d[0]), yaw, CAR) == pytest.approx((S_M, d_m, course_rad), abs=0.02)
 
 
-def swerves(on: Road, speed_mps: float) -> tuple[Motions, np.ndarray, np.ndarray]:
-    """Two paths, 3 m to either side within some lengths, each driven fast and slowly; and their d(s), s as they go."""
+def swerves(on: Road, speed_mps: float) -> tuple[Motions, Paths, np.ndarray]:
+    """Two paths, 3 m to either side within some lengths, each driven fast and slowly; and (M, T) s."""
     start, length_m = PathState(S_M, 0.0, 0.0, 0.0, speed_mps, 0.0), max(8.0, 1.4 * speed_mps)
     coefficients = np.array([[0.0, 0.0, 0.0, 10.0 * side, -15.0 * side, 6.0 * side] for side in (-3.0, 3.0)])
     paths = Paths(np.full(2, S_M), np.full(2, length_m), coefficients)
     speeds = np.array([[speed_mps], [0.3 * speed_mps]]) * np.ones(26)
     travelled = speeds * np.arange(0.0, 5.1, 0.2)
     found = motions(on, start, paths, Profiles(travelled, speeds, 0.0 * speeds), CAR)
-    return found, S_M + travelled, paths.at((S_M + travelled)[None])[0]
+    return found, paths, S_M + travelled
 
 
-@BENDS
-@pytest.mark.parametrize("speed_mps", [0.2, 5.5, 25.0])
+@pytest.mark.parametrize(
+    ("radius_m", "speed_mps"), [(16.0, 0.2), (16.0, 5.5), (-16.0, 5.5), (80.0, 14.0), (200.0, 25.0), (1e9, 25.0)]
+)
 def test_between_its_places_a_path_is_where_it_should_be(radius_m: float, speed_mps: float) -> None:
     """The rear axle is at d(s), and the middle before it in the direction in which the rear axle moves."""
-    on = road(1.0 / radius_m)
-    found, s, d = swerves(on, speed_mps)
-    inside = s < 120.0
+    found, paths, s = swerves(road(1.0 / radius_m), speed_mps)
     x, y, heading = (found.in_time(values) for values in found.poses)
-    rear_x = x + found.origin_m[0] - CAR.l_r_m * np.cos(heading)
-    rear_y = y + found.origin_m[1] - CAR.l_r_m * np.sin(heading)
-    exact_x, exact_y, _ = on.world(np.broadcast_to(s, d.shape), d)
-    off_m = np.hypot(rear_x - exact_x, rear_y - exact_y)[:, inside]
+
+    def rear(s_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Around the road's centre."""
+        away_m, angle = radius_m - paths.at(s_m[None])[0], s_m / radius_m
+        return away_m * np.sin(angle), radius_m - away_m * np.cos(angle)
+
+    (rear_x, rear_y), (behind_x, behind_y), (before_x, before_y) = rear(s), rear(s - 0.01), rear(s + 0.01)
+    course = np.arctan2(before_y - behind_y, before_x - behind_x)
+    off_m = np.hypot(
+        x + found.origin_m[0] - rear_x - CAR.l_r_m * np.cos(course),
+        y + found.origin_m[1] - rear_y - CAR.l_r_m * np.sin(course),
+    )
     assert off_m.max() < 0.03
+    assert np.abs(wrap_angles(heading - course)).max() < 0.01
 
 
 def test_a_mean_in_time_and_single_motions_are_those_of_all_times() -> None:

@@ -149,3 +149,23 @@ def test_a_centimetre_that_is_lacking_beside_an_obstacle_costs_little() -> None:
         planned(on, tracks(on, (0.5, 1.9 + room_m, 0.0, 0.0, *CAR)), speed_mps=0.0).cost for room_m in (0.205, 0.195)
     )
     assert enough < lacking < 1.3 * enough
+
+
+@pytest.mark.parametrize("speed_mps", [0.0, 2.0, 4.0, 6.0])
+@pytest.mark.parametrize("reference_mps", [5.5, 14.0, 30.0])
+def test_a_slow_car_turns_its_wheels_in_time_whatever_its_reference_speed(
+    speed_mps: float, reference_mps: float
+) -> None:
+    """The curvature of the chosen path on a straight road, y'' / (1 + y'^2)^1.5."""
+    on, limit = road(), settings.load().limits
+    for ahead_m in (6.0, 9.0, 14.0, 20.0):
+        now = scene(
+            on, tracks(on, (ahead_m, 0.4, 0.0, 0.0, 4.5, 1.9)), speed_mps=speed_mps, reference_mps=reference_mps
+        )
+        motion = SpacetimePlanner(settings.load(), VehicleModel()).plan(now)
+        times_s = np.arange(0.0, 5.01, 0.2)
+        _, slope, second = motion.path.at(np.array([motion.s_at(time_s) for time_s in times_s.tolist()])[None])
+        curvature = second[0] / (1.0 + slope[0] ** 2) ** 1.5
+        if not motion.is_rejected:
+            assert np.abs(curvature).max() < 1.02 * limit.curvature_per_m
+            assert np.abs(np.diff(curvature)).max() / 0.2 < 1.15 * limit.curvature_rate_per_ms  # still below REJECTED

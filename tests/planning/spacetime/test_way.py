@@ -25,16 +25,19 @@ def straight(*sides_m: float) -> Paths:
     return Paths(np.zeros(count), np.ones(count), coefficients)
 
 
-def ways_m(*objects: tuple[float, ...], sides_m: tuple[float, ...] = (0.0,)) -> list[float]:
+def ways_m(*objects: tuple[float, ...], sides_m: tuple[float, ...] = (0.0,), farthest_m: float = 0.0) -> list[float]:
     on, start = road(), PathState(0.0, 0.0, 0.0, 0.0, 1.0, 0.0)
-    considered = motions(on, start, straight(*sides_m), Profiles(*np.zeros((3, 1, 2))), CAR)
+    considered = motions(
+        on, start, straight(*sides_m), Profiles(np.array([[0.0, farthest_m]]), *np.zeros((2, 1, 2))), CAR
+    )
     found: list[float] = way_m(scene(on, tracks(on, *objects)), start, considered, CAR, 1.28).tolist()
     return found
 
 
-def test_a_path_ends_where_the_front_meets_what_stands() -> None:
+@pytest.mark.parametrize("farthest_m", [0.0, 150.0, 600.0])
+def test_a_path_ends_where_the_front_meets_what_stands(farthest_m: float) -> None:
     front_m = CAR.l_r_m + 0.5 * CAR.length_m
-    (way,) = ways_m((WALL_M + 0.5, 0.0, 0.0, 0.0, 1.0, 3.0))
+    (way,) = ways_m((WALL_M + 0.5, 0.0, 0.0, 0.0, 1.0, 3.0), farthest_m=farthest_m)
     assert WALL_M - front_m <= way < WALL_M - front_m + EVERY_M
 
 

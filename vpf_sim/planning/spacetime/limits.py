@@ -50,14 +50,14 @@ def _lateral_acceleration(settings: LimitSettings, motions: Motions) -> Reals:
 
 def _curvature(settings: LimitSettings, motions: Motions) -> Reals:
     """(P, M) 1/m above the limit."""
-    sharpest = motions.last(np.maximum.accumulate(np.abs(motions.curvature_per_m), axis=1))
-    excess: Reals = np.maximum(sharpest - np.float32(settings.curvature_per_m), 0.0)
-    return excess
+    sharp = np.abs(motions.curvature_per_m)
+    paths = np.flatnonzero(sharp.max(axis=1) > settings.curvature_per_m)
+    return _of_all(motions, paths, motions.in_time(sharp[paths]).max(axis=2) - np.float32(settings.curvature_per_m))
 
 
 def _steering_rate(settings: LimitSettings, motions: Motions, times_s: Reals) -> Reals:
     """(P, M) 1/(m s) above the limit."""
-    most = np.abs(np.diff(motions.curvature_per_m, axis=1)).max(axis=1) / motions.ahead_m[1]
+    most = (np.abs(np.diff(motions.curvature_per_m, axis=1)) / np.diff(motions.ahead_m)).max(axis=1)
     paths = np.flatnonzero(most * motions.speed_mps.max() > settings.curvature_rate_per_ms)
     rate = np.abs(np.diff(motions.in_time(motions.curvature_per_m[paths]), axis=2)) / np.float32(times_s[1])
     return _of_all(motions, paths, rate.max(axis=2) - np.float32(settings.curvature_rate_per_ms))
@@ -74,7 +74,7 @@ def _off_road(settings: LimitSettings, motions: Motions, times_s: Reals, overhan
 
 
 def _of_all(motions: Motions, paths: Integers, excess: Reals) -> Reals:
-    """(P, M) what is above 0, of some paths; the others cannot break the limit at any speed."""
+    """(P, M) what is above 0, of some paths; the others cannot break the limit with any profile."""
     found = np.zeros(motions.shape, np.float32)
     found[paths] = np.maximum(excess, 0.0)
     return found

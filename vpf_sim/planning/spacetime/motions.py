@@ -25,8 +25,8 @@ AHEAD_M = 20.0  # of a path, at least
 class Motions:
     """P paths with M profiles at T times.
 
-    A path has the car at N places, equally far apart along the road; between them all quantities are linear. Places
-    in the world are relative to `origin_m`, so that single precision has millimetres.
+    A path has the car at N places; between them all quantities are linear. Places in the world are relative to
+    `origin_m`, so that single precision has millimetres.
     """
 
     origin_m: tuple[float, float]
@@ -77,19 +77,19 @@ class Motions:
         found: Reals = values[:, cell] + share * (values[:, cell + 1] - values[:, cell])
         return found
 
-    def mean(self, values: Reals, weight: Reals | float = 1.0) -> Reals:
-        """(P, M) mean in time of quantities (P, N) by a weight (M, T)."""
+    def mean(self, values: Reals, factor: Reals | float = 1.0) -> Reals:
+        """(P, M) mean in time of quantities (P, N), times a factor (M, T)."""
         weights = np.zeros((len(self.ahead_m), len(self.cell)), np.float32)
         profile = np.arange(len(self.cell))[:, None]
-        np.add.at(weights, (self.cell, profile), weight * (1.0 - self.share))
-        np.add.at(weights, (self.cell + 1, profile), weight * self.share)
+        np.add.at(weights, (self.cell, profile), factor * (1.0 - self.share))
+        np.add.at(weights, (self.cell + 1, profile), factor * self.share)
         found: Reals = np.einsum("pn,nm->pm", values, weights) / np.float32(self.cell.shape[1])
         return found
 
 
 def motions(road: Road, start: PathState, paths: Paths, profiles: Profiles, vehicle: VehicleModel) -> Motions:
     """All paths with all profiles."""
-    ahead = np.linspace(0.0, max(AHEAD_M, float(profiles.travelled_m.max())), PLACES)
+    ahead = _ahead_m(float(profiles.travelled_m.max()))
     s = start.s_m + ahead
     here = road.at(s)
     origin = float(here.x_m[0]), float(here.y_m[0])
@@ -109,7 +109,7 @@ def motions(road: Road, start: PathState, paths: Paths, profiles: Profiles, vehi
     front, back, half = vehicle.l_r_m + 0.5 * vehicle.length_m, vehicle.l_r_m - 0.5 * vehicle.length_m, 0.5 * cosine
     ends = d + sine * front - away * front**2, d + sine * back - away * back**2
     left, right_edge, own_left = (values.astype(np.float32) for values in road.at(beside_s)[4:])
-    place = profiles.travelled_m / ahead[1]
+    place = np.interp(profiles.travelled_m, ahead, np.arange(PLACES))
     cell = np.minimum(place.astype(np.intp), PLACES - 2)
     return Motions(
         origin, ahead, x, y, heading + np.arctan(turn), middle, path_curvature(turn, second, bend, stretch),
@@ -118,6 +118,13 @@ def motions(road: Road, start: PathState, paths: Paths, profiles: Profiles, vehi
         profiles.speed_mps.astype(np.float32), profiles.acceleration_mps2.astype(np.float32),
         cell, (place - cell).astype(np.float32),
     )  # fmt: skip
+
+
+def _ahead_m(farthest_m: float) -> Reals:
+    """(N,) m, places along a path: 0.25 m apart at first, where slow motions turn sharply, and then ever farther."""
+    share = np.linspace(0.0, 1.0, PLACES)
+    places: Reals = AHEAD_M * share + max(farthest_m - AHEAD_M, 0.0) * share**4
+    return places
 
 
 def rear_axle(road: Road, s_m: float, d_m: float, yaw_rad: float, vehicle: VehicleModel) -> tuple[float, float, float]:

@@ -59,7 +59,7 @@ class ObstaclePotential:
         self._near_decay = np.exp(-times_s / NEAR_S).astype(np.float32)
 
     def of(self, motions: Motions, rows: Integers) -> tuple[Reals, Reals]:
-        """(N,) price of contacts, and (N,) cost of nearness and short distances, of some motions.
+        """(R,) price of contacts, and (R,) cost of nearness and short distances, of some motions.
 
         `rows` are those of the motions in the flattened (P, M).
         """
@@ -77,7 +77,7 @@ class ObstaclePotential:
         return PER_CONTACT * contact, np.bincount(n, near, len(rows)) / times
 
     def _in_reach(self, car: Rectangles, objects: Rectangles, speeds: Reals) -> Bools:
-        """(N, K, T) whether the car is near enough to an object for any cost."""
+        """(R, K, T) whether the car is near enough to an object for any cost."""
         along, across, forward, *_ = beside(car, objects)
         limits = self._limits
         near = max(float(NEAR_SCALES) * self._cost.near_scale_m, limits.along_m, limits.across_m)

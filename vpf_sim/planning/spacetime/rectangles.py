@@ -47,12 +47,12 @@ class Rectangles:
         return cls(*(value.astype(np.float32) for value in values))
 
     def at(self, *index: Integers | slice | int | None) -> "Rectangles":
-        """Some of them; a size that is the same for all stays so."""
+        """Some of a two-dimensional array of them; a size that is the same for all stays so."""
         values = (getattr(self, name) for name in self.__slots__)
         return Rectangles(*(value[index] if value.ndim > 1 else value for value in values))
 
     def taken(self, index: Integers) -> "Rectangles":
-        """Some of them, by their places in the flattened arrays."""
+        """Some of a two-dimensional array of them, by their places in it flattened."""
         values = (getattr(self, name) for name in self.__slots__)
         return Rectangles(*(value.ravel()[index] if value.ndim > 1 else value for value in values))
 
