@@ -117,7 +117,7 @@ def costs_beside(
     driven = motions(on, start, path, Profiles(speeds * times, speeds, 0.0 * speeds), VehicleModel())
     now = scene(on, tracks(on, (ahead_m, 1.9 + gap_m, 0.0, other_mps, 4.5, 1.9)), speed_mps=speed_mps)
     prediction = predict(on, now.tracks, times)
-    objects = ObstaclePotential(planner.limits, planner.cost, prediction, times, VehicleModel(), now)
+    objects = ObstaclePotential(planner.limits, planner.cost, prediction, times, VehicleModel(), now, driven.origin_m)
     price, near = objects.of(driven, np.array([0]))
     return float(price[0]), float(near[0])
 

@@ -66,16 +66,11 @@ class Motions:
 
     def along(self, values: Reals, path: Integers, profile: Integers) -> Reals:
         """(R, T) of quantities (P, N), for R motions by their paths and profiles."""
-        rows, cell = path[:, None], self.cell[profile]
-        before = values[rows, cell]
-        found: Reals = before + self.share[profile] * (values[rows, cell + 1] - before)
-        return found
+        return _between(values, path[:, None], self.cell[profile], self.share[profile])
 
     def last(self, values: Reals) -> Reals:
         """(P, M) of quantities (P, N), at the last time."""
-        cell, share = self.cell[:, -1], self.share[:, -1]
-        found: Reals = values[:, cell] + share * (values[:, cell + 1] - values[:, cell])
-        return found
+        return _between(values, slice(None), self.cell[:, -1], self.share[:, -1])
 
     def mean(self, values: Reals, factor: Reals | float = 1.0) -> Reals:
         """(P, M) mean in time of quantities (P, N), times a factor (M, T)."""
@@ -118,6 +113,13 @@ def motions(road: Road, start: PathState, paths: Paths, profiles: Profiles, vehi
         profiles.speed_mps.astype(np.float32), profiles.acceleration_mps2.astype(np.float32),
         cell, (place - cell).astype(np.float32),
     )  # fmt: skip
+
+
+def _between(values: Reals, paths: Integers | slice, cell: Integers, share: Reals) -> Reals:
+    """Quantities (P, N) of some paths, between a place and the next."""
+    before = values[paths, cell]
+    found: Reals = before + share * (values[paths, cell + 1] - before)
+    return found
 
 
 def _ahead_m(farthest_m: float) -> Reals:

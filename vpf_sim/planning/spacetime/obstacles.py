@@ -37,7 +37,7 @@ def turning_gap_m(vehicle: VehicleModel, curvature_per_m: float) -> float:
 
 
 class ObstaclePotential:
-    """The objects' part of the field, for one scene."""
+    """The objects' part of the field, for one scene and motions from one origin."""
 
     def __init__(
         self,
@@ -47,14 +47,15 @@ class ObstaclePotential:
         times_s: Reals,
         vehicle: VehicleModel,
         scene: Scene,
+        origin_m: tuple[float, float],
     ) -> None:
         self._limits, self._cost = limits, cost
-        self._prediction = prediction
-        self._tracks = np.flatnonzero(~_follows(prediction, scene.ego, vehicle))
-        self._speed_mps = prediction.tracks.speed_mps[self._tracks].astype(np.float32)
+        tracks = np.flatnonzero(~_follows(prediction, scene.ego, vehicle))
+        self._speed_mps = prediction.tracks.speed_mps[tracks].astype(np.float32)
         self._vehicle, self._reference_mps = vehicle, scene.speed_reference_mps
         self.standing_gap_m = np.float32(turning_gap_m(vehicle, TURNED * limits.curvature_per_m))
         self.quantile = float(ndtri(1.0 - limits.occupied))
+        self._objects = Rectangles.of_tracks(prediction, origin_m, self.quantile).at(tracks)
         self._contact_decay = np.exp(-times_s / CONTACT_S).astype(np.float32)
         self._near_decay = np.exp(-times_s / NEAR_S).astype(np.float32)
 
@@ -66,25 +67,23 @@ class ObstaclePotential:
         path, profile = np.divmod(rows, motions.shape[1])
         poses = [motions.along(values, path, profile) for values in motions.poses]
         car, speeds = Rectangles.of_car(poses, self._vehicle), motions.speed_mps[profile]
-        objects = Rectangles.of_tracks(self._prediction, motions.origin_m, self.quantile).at(self._tracks)
-        n, k, t = np.nonzero(self._in_reach(car.at(slice(None), None), objects, speeds))
-        times = speeds.shape[1]
-        gap = gaps(car.taken(n * times + t), objects.taken(k * times + t))
+        n, k, t = np.nonzero(self._in_reach(car.at(slice(None), None), speeds))
+        gap = gaps(car.at(n, t), self._objects.at(k, t))
         speed, other = speeds[n, t], self._speed_mps[k] * gap.same_way
         contact = np.zeros(len(rows), np.float32)
         np.maximum.at(contact, n, np.where(t > 0, self._contact(gap, t, speed, other), np.float32(0.0)))
         near = self._nearness(gap, t, speed) + self._distance_behind(gap, speed, other)
-        return PER_CONTACT * contact, np.bincount(n, near, len(rows)) / times
+        return PER_CONTACT * contact, np.bincount(n, near, len(rows)) / speeds.shape[1]
 
-    def _in_reach(self, car: Rectangles, objects: Rectangles, speeds: Reals) -> Bools:
+    def _in_reach(self, car: Rectangles, speeds: Reals) -> Bools:
         """(R, K, T) whether the car is near enough to an object for any cost."""
-        along, across, forward, *_ = beside(car, objects)
+        seen = beside(car, self._objects)
         limits = self._limits
         near = max(float(NEAR_SCALES) * self._cost.near_scale_m, limits.along_m, limits.across_m)
         stopping = np.maximum(REACTION_S * speeds + 0.5 * speeds**2 / BRAKING_MPS2, GAP_S * speeds)
         ahead = (stopping + self.standing_gap_m)[:, None]
-        found: Bools = (along * ALONG_SHARE < near) & (across < near)
-        found |= (across < IN_LANE_M) & (forward > 0.0) & (along < ahead)
+        found: Bools = (seen.along * ALONG_SHARE < near) & (seen.across < near)
+        found |= (seen.across < IN_LANE_M) & (seen.forward > 0.0) & (seen.along < ahead)
         return found
 
     def _contact(self, gap: Gaps, t: Integers, speed: Reals, other: Reals) -> Reals:

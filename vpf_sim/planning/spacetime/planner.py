@@ -46,7 +46,7 @@ class SpacetimePlanner:
         paths, profiles = self._candidates(scene, start)
         considered = motions(scene.road, start, paths, profiles, self._vehicle)
         prices = limits.prices(self._settings.limits, considered, self._times_s, scene.road.overhang_m)
-        objects = self._objects(scene)
+        objects = self._objects(scene, considered.origin_m)
         ways = way_m(scene, start, considered, self._vehicle, objects.quantile) - objects.standing_gap_m
         potentials = field(self._settings.cost, considered, ways, profiles, scene.road, scene.speed_reference_mps)
         beyond = self._ending_lanes(scene, start, paths)
@@ -62,10 +62,12 @@ class SpacetimePlanner:
         )
         return self.motion
 
-    def _objects(self, scene: Scene) -> ObstaclePotential:
+    def _objects(self, scene: Scene, origin_m: tuple[float, float]) -> ObstaclePotential:
         prediction = predict(scene.road, scene.tracks, self._times_s)
         settings = self._settings
-        return ObstaclePotential(settings.limits, settings.cost, prediction, self._times_s, self._vehicle, scene)
+        return ObstaclePotential(
+            settings.limits, settings.cost, prediction, self._times_s, self._vehicle, scene, origin_m
+        )
 
     def _ending_lanes(self, scene: Scene, start: PathState, paths: Paths) -> Reals:
         return ending_lanes(self._settings.cost, scene.road, start, self._vehicle.width_m, paths.end_m)

@@ -51,10 +51,17 @@ class Rectangles:
         values = (getattr(self, name) for name in self.__slots__)
         return Rectangles(*(value[index] if value.ndim > 1 else value for value in values))
 
-    def taken(self, index: Integers) -> "Rectangles":
-        """Some of a two-dimensional array of them, by their places in it flattened."""
-        values = (getattr(self, name) for name in self.__slots__)
-        return Rectangles(*(value.ravel()[index] if value.ndim > 1 else value for value in values))
+
+class Beside(NamedTuple):
+    """Where objects are in the car's axes, in arrays."""
+
+    dx: Reals  # m from the car's middle to theirs
+    dy: Reals
+    along: Reals  # m between their sides, along the car's heading
+    across: Reals
+    forward: Reals  # m to their middles
+    same_way: Reals  # cosine and sine of the car's heading, in the objects' axes
+    other_way: Reals
 
 
 class Gaps(NamedTuple):
@@ -77,16 +84,6 @@ class Gaps(NamedTuple):
         return most
 
 
-class Beside(NamedTuple):
-    """Where objects are in the car's axes."""
-
-    along: Reals  # m between their sides, along the car's heading
-    across: Reals
-    forward: Reals  # m to their middles
-    same_way: Reals  # cosine and sine of the car's heading, in the objects' axes
-    other_way: Reals
-
-
 def beside(car: Rectangles, other: Rectangles) -> Beside:
     """Objects as seen from cars, of shapes that spread to one."""
     dx, dy = other.x_m - car.x_m, other.y_m - car.y_m
@@ -96,13 +93,12 @@ def beside(car: Rectangles, other: Rectangles) -> Beside:
     forward, right = car.cosine * dx + car.sine * dy, car.cosine * dy - car.sine * dx
     along = np.abs(forward) - (car.half_length_m + same * other.half_length_m + turned * other.half_width_m)
     across = np.abs(right) - (car.half_width_m + turned * other.half_length_m + same * other.half_width_m)
-    return Beside(along, across, forward, same_way, other_way)
+    return Beside(dx, dy, along, across, forward, same_way, other_way)
 
 
 def gaps(car: Rectangles, other: Rectangles) -> Gaps:
     """The distances between cars and objects, of shapes that spread to one."""
-    along, across, forward, same_way, other_way = beside(car, other)
-    dx, dy = other.x_m - car.x_m, other.y_m - car.y_m
+    dx, dy, along, across, forward, same_way, other_way = beside(car, other)
     same, turned = np.abs(same_way), np.abs(other_way)
     lengthwise, sideways = other.cosine * dx + other.sine * dy, other.cosine * dy - other.sine * dx
     object_along = np.abs(lengthwise) - (other.half_length_m + same * car.half_length_m + turned * car.half_width_m)
