@@ -130,6 +130,16 @@ def test_a_car_that_stopped_in_a_swerve_drives_on_beside_the_edge() -> None:
     assert planner.plan(scene(on, tracks(on), 0.0, d_m, 0.0)).speed_at(4.0) > 3.0
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("speed_mps", [1.0, 2.0, 4.0])
+def test_it_keeps_to_the_side_of_its_last_plan_where_both_are_alike(side: float, speed_mps: float) -> None:
+    """A parked car in the middle is measured some centimetres farther left, then farther right."""
+    on, planner = road(), SpacetimePlanner(settings.load(), VehicleModel())
+    for error_m in (0.05, -0.05, -0.05):
+        motion = planner.plan(scene(on, tracks(on, (12.0, side * error_m, 0.0, 0.0, *CAR)), speed_mps=speed_mps))
+        assert np.sign(motion.path.end_m[0]) == -side
+
+
 def test_the_next_plan_goes_on_from_the_last() -> None:
     on = road()
     planner = SpacetimePlanner(settings.load(), VehicleModel())

@@ -112,14 +112,18 @@ class SpacetimePlanner:
         return PathState(s_m, d_m, turn * stretch, path_second(turn, own, bend, stretch), ego.speed_mps, 0.0)
 
     def _changes(self, scene: Scene, start: PathState, paths: Paths, profiles: Profiles) -> Reals:
-        """(P, M) cost of another place across the road and another speed, soon, than in the last plan."""
+        """(P, M) cost of another path and another speed, soon, than in the last plan.
+
+        Paths are compared at least as far ahead as one needs to the side, so that a slow car keeps to its way, too.
+        """
         last = self.motion
         if last is None:
             return np.zeros((1, 1))
-        soon, time_s = round(CHANGE_S / self._settings.candidates.step_s), scene.time_s + CHANGE_S
-        planned_m, _, _ = last.path_at(last.s_at(time_s))
-        aside = np.abs(paths.at(start.s_m + profiles.travelled_m[None, :, soon])[0] - planned_m)
-        faster = np.abs(profiles.speed_mps[:, soon] - last.speed_at(time_s))
+        settings = self._settings.candidates
+        soon = round(CHANGE_S / settings.step_s)
+        there = np.array([start.s_m + max(start.speed_mps * CHANGE_S, min(settings.least_reach_m))])
+        aside = np.abs(paths.at(there[None])[0] - last.path.at(there)[0])
+        faster = np.abs(profiles.speed_mps[:, soon] - last.speed_at(scene.time_s + CHANGE_S))
         changed: Reals = self._settings.cost.change_side * aside + self._settings.cost.change_speed * faster
         return changed
 
