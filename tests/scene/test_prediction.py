@@ -69,9 +69,11 @@ def test_the_uncertainty_grows_with_that_of_the_speed() -> None:
     np.testing.assert_allclose(seen.across_sigma_m[0], 0.1)
 
 
-def test_who_drives_along_the_road_keeps_its_lane_and_who_crosses_may_go_anywhere() -> None:
+@pytest.mark.parametrize("speed_mps", [0.0, 5.0])
+def test_who_is_along_the_road_keeps_its_lane_and_who_crosses_may_go_anywhere(speed_mps: float) -> None:
+    """Also who may stand or drive, since it has not been seen for a while."""
     straight = road()
-    along = tracks(straight, (80.0, LANE_M, 0.0, 5.0, 4.5, 1.9))
+    along = tracks(straight, (80.0, LANE_M, 0.0, speed_mps, 4.5, 1.9))
     crosses = tracks(straight, (80.0, LANE_M, 0.5 * np.pi, 5.0, 4.5, 1.9))
     for made in (along, crosses):
         made.covariance[0] = np.diag([1.0, 1.0, 1.0, 1.0])
