@@ -3,8 +3,8 @@ growing uncertainty.
 
 A vehicle whose lane is known is expected to follow it, and to come to its middle. Another that drives along the road
 and moves to the side is expected to stay in the lane that it comes to. Both keep their lanes also where no camera sees
-them and while they stand, so along the road their uncertainty across stays bounded. What crosses the road, or is beside it as in a
-junction, keeps its speed and turn rate (CTRV: Schubert, Richter, Wanielik, Fusion 2008).
+them and while they stand, so along the road their uncertainty across stays bounded. What crosses the road, or is
+beside it as in a junction, keeps its speed and turn rate (CTRV: Schubert, Richter, Wanielik, Fusion 2008).
 """
 
 from dataclasses import dataclass
