@@ -13,7 +13,7 @@ from vpf_sim.perception.obstacles.crossing import Crossers
 from vpf_sim.perception.obstacles.prediction import none
 from vpf_sim.scene.camera import CameraScene, road_of
 from vpf_sim.scene.evidence import Evidence
-from vpf_sim.types import Camera, Obstacles, RoadEdges
+from vpf_sim.types import Camera, Obstacles, RoadEdges, VehicleModel
 
 RADIUS_M, LANE_M = 60.0, 3.5
 SIDES_M = (-7.0, 7.0)  # of the road's reference line
@@ -31,7 +31,8 @@ def seen(edges: RoadEdges, obstacles: Obstacles | None = None) -> Any:
 
 
 def camera_scene() -> CameraScene:
-    return CameraScene(Camera(), driver_settings.scene(), driver_settings.ROBUST.road_edges.object_sizes)
+    sizes = driver_settings.ROBUST.road_edges.object_sizes
+    return CameraScene(Camera(), VehicleModel(), driver_settings.scene(), sizes)
 
 
 def on_circle(angle_rad: float, d_m: float) -> tuple[float, float]:
@@ -111,6 +112,19 @@ def test_what_lies_in_the_plane_of_the_road_is_no_obstacle(relief: float, report
         scene.observe(seen(edges_at(0.0, 0.0, 0.0), low), here, Evidence(relief=relief * one))
     assert len(scene.scene(here, 5.0).tracks) == reported
     assert len(scene.obstacles(here)) == reported
+
+
+@pytest.mark.parametrize(("d_m", "left"), [(0.4, 0), (1.2, 1)])
+def test_what_the_car_drives_over_was_none(d_m: float, left: int) -> None:
+    """Something is reported 12 m ahead, in the way or beside it, until the car has driven 11 m."""
+    scene, one = camera_scene(), np.ones(1)
+    for driven_m in np.arange(0.0, 11.0, 0.25):
+        here = observed(driven_m, 0.0, 0.0, driven_m / 5.0)
+        ahead = Obstacles((12.0 - driven_m) * one, (d_m - 0.3) * one, (d_m + 0.3) * one, 0.1 * one, one, np.array([5]))
+        scene.observe(seen(edges_at(0.0, 0.0, 0.0), ahead), here)
+        if driven_m == 9.5:  # the car's front is 0.25 m before it
+            assert len(scene.obstacles(here)) == 1
+    assert len(scene.obstacles(here)) == left
 
 
 def test_the_reported_obstacles_are_where_their_tracks_are_by_now() -> None:

@@ -20,7 +20,7 @@ class ScenePlanner(Planner):
 
     def __init__(self, setup: DriverSetup, config: SceneConfig, sizes: ObjectSizes, in_sight: SpeedInSight) -> None:
         self._setup, self._in_sight = setup, in_sight
-        self._scene = CameraScene(setup.camera, config, sizes)
+        self._scene = CameraScene(setup.camera, setup.vehicle, config, sizes)
         self._motion = MotionReplanner(setup.vehicle)
 
     def observe(self, perception: Perception, observation: Observation, evidence: Evidence | None) -> Perception:

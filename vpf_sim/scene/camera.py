@@ -23,7 +23,7 @@ from vpf_sim.scene.tracker import Detections, SceneTracker, TrackTable
 from vpf_sim.scene.tracks import Tracks, probability
 from vpf_sim.scene.unseen import UnseenTraffic
 from vpf_sim.scene.vehicle_motion import STANDING_MPS, seen_motion
-from vpf_sim.types import Bools, Camera, Floats, Obstacles, Perception, RoadEdges
+from vpf_sim.types import Bools, Camera, Floats, Obstacles, Perception, RoadEdges, VehicleModel
 
 STEP_M = 0.5  # between the stations of the tables
 BEHIND_M, BENDS_M, AHEAD_M = 40.0, 40.0, 200.0  # of the tables; beyond BENDS_M the road goes straight on
@@ -36,14 +36,15 @@ ACTOR_M = np.array([2.5, 1.5])  # along and across: what stands so near to an ac
 NEWEST = 0.5  # of the mean relief
 NEARER_SIGMA = 0.15  # of the distance at which a vehicle stands, as a share of it
 FOLLOWED_M, FORGOTTEN_S = (3.0, 25.0), 1.0  # where, and how long after the last detection, points show a velocity
+UNDER_M = 0.3  # within the car's sides, from which a face is under the car
 CROSSING = 1.0  # across over along, from which a track shows its side
 
 
 class CameraScene:
     """Keeps road coordinates and tracks of one episode."""
 
-    def __init__(self, camera: Camera, config: SceneConfig, sizes: ObjectSizes) -> None:
-        self._camera, self._config, self._sizes = camera, config.existence, sizes
+    def __init__(self, camera: Camera, vehicle: VehicleModel, config: SceneConfig, sizes: ObjectSizes) -> None:
+        self._camera, self._vehicle, self._config, self._sizes = camera, vehicle, config.existence, sizes
         self._tracker, self._unseen = SceneTracker(config.tracker), UnseenTraffic(config.unseen)
         self._last: Observation | None = None  # of the last frame
         self._s_m = 0.0  # at the last frame: what is perceived does not depend on what is planned in between
@@ -69,7 +70,16 @@ class CameraScene:
         self._tracker.update(found, fresh, dt_s * self._visible(observation), s)
         if evidence.motions is not None:
             self._follow(evidence.motions, observation)
+        self._tracker.end(self._under_the_car(observation))
         self._unseen.update(observation.time_s, observation.speed_mps, self._tracker.traffic_mps)
+
+    def _under_the_car(self, observation: Observation) -> Bools:
+        """(K,) tracks that stand where the car is by now: it would have hit them."""
+        assert self.road is not None
+        table, size = self._tracker.table, np.array([self._vehicle.length_m, self._vehicle.width_m])
+        x, y, _ = self.road.world(table.state[:, 0], table.state[:, 1])
+        apart = np.abs(vehicle_from_world(np.column_stack([x, y]), observation.pose))
+        return np.asarray(table.slow & np.all(apart < 0.5 * size - UNDER_M, axis=1))
 
     def _detections(self, obstacles: Obstacles, observation: Observation, evidence: Evidence, s_m: float) -> Detections:
         """All that was found in the last frame."""

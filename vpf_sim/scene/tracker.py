@@ -235,6 +235,11 @@ class SceneTracker:
         table.state[row] += gain * farther_m
         table.covariance[row] = before - np.outer(gain, before[0])
 
+    def end(self, rows: Bools) -> None:
+        """Drop some tracks, (K,)."""
+        if rows.any():
+            self.table = self.table.chosen(~rows)
+
     def _spawn(self, found: Detections) -> None:
         count, table = len(found), self.table
         identity = np.arange(self._next, self._next + count)
@@ -248,8 +253,7 @@ class SceneTracker:
         ahead = table.state[:, 0] - ego_s_m
         kept = (table.gain > PRUNE) & (table.unseen_s < self._config.unseen_s) & (ahead > -BEHIND_M) & (ahead < AHEAD_M)
         kept &= np.sqrt(table.covariance[:, 1, 1]) < VAGUE_M
-        if not kept.all():
-            self.table = table.chosen(kept)
+        self.end(~kept)
 
 
 def _begun(found: Detections, identity: Integers) -> TrackTable:
