@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 from driver_settings import ROBUST
-from road_picture import RoadPicture, ground_in_view
+from road_picture import RoadPicture
 
 from vpf_sim.envs.camera import Rig, weather
 from vpf_sim.envs.camera.renderer import Renderer
@@ -144,21 +144,6 @@ def test_the_number_of_lanes_and_their_width_are_seen(lanes: int, width: float, 
 def test_the_verge_may_have_any_colour(verge: tuple[int, int, int]) -> None:
     *_, (last, _) = follow(RoadPicture(Camera(), verge=verge), -1.75, 0.0, 5)
     assert last.right_m == pytest.approx(8.75, abs=0.2)
-
-
-@pytest.mark.parametrize("share", [0.35, 1.0])
-def test_a_guard_rail_beyond_the_verge_is_no_line_of_the_road(share: float) -> None:
-    """Its image lies two lanes left of the car's, with gaps as between dashes, or without."""
-    picture = RoadPicture(Camera(), half_width_m=3.5)
-    tracker, ground = RoadEdgeTracker(picture.camera, ROBUST.road_edges, 20.0), ground_in_view(picture.camera)
-    for i in range(24):
-        pose = picture.pose(i * SPEED_MPS / 20.0, 1.75, 0.0)
-        along, right = picture.local(world_from_vehicle(ground.places_m, pose))
-        frame, rail = picture.draw(pose, i), (np.abs(right + 7.0) < 0.15) & (np.mod(along, 4.0) < 4.0 * share)
-        frame[ground.shows] = np.where(rail[:, None], np.uint8(220), frame[ground.shows])
-        edges = tracker.update(frame, grey(frame), pose, SPEED_MPS, 0.0, None)
-    assert (edges.left_m, edges.right_m) == pytest.approx((-5.25, 1.75), abs=0.1)
-    assert edges.oncoming_m == 0.0
 
 
 def test_another_camera_at_another_rate() -> None:

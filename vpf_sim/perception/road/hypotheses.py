@@ -1,8 +1,7 @@
 """Which of the road's lines are the edges of the carriageway: the lane of the car and the number of lanes.
 
 A hypothesis names the two lines that are the edges. Evidence is the kind of line at each place (solid edges, dashed
-lines within, none outside) and the ground between the lines: within the carriageway it looks like the ego's own lane.
-Beyond other ground a guard rail or a fence may look like any line, so lines there do not speak against an edge. A
+lines within, none outside) and the ground between the lines: within the carriageway it looks like the ego's own lane. A
 solid line that parts the ego's lanes from oncoming traffic is the left edge, too, with lanes and a solid line beyond.
 The number of lanes is known only as a prior; an edge that is not visible is where it likely is.
 """
@@ -107,13 +106,10 @@ class CarriagewayHypotheses:
 
     def judge(self, state: Floats, ridges: RidgeMap, colour: Image, colour_view: BirdsEye) -> None:
         """Add the evidence of one frame; change the hypothesis if another one is far likelier for long enough."""
-        config, like = self.config, np.full(len(NUMBERS) - 1, np.nan)
+        config, evidence = self.config, self._line_evidence(state, ridges)
         if config.ground is not None:
             least_m = config.least_length_m
-            like = _like_own_lane(state, ridges, colour, colour_view, config.ground.unlike_levels, least_m)
-        evidence = self._line_evidence(state, ridges, like)
-        if config.ground is not None:
-            evidence = evidence + _ground_evidence(like, config.ground)
+            evidence = evidence + _ground_evidence(state, ridges, colour, colour_view, config.ground, least_m)
         self.log_odds = config.kept * self.log_odds + config.weight * (evidence - evidence.max())
         likely = self.probabilities(state)
         best = int(np.argmax(likely))
@@ -132,8 +128,8 @@ class CarriagewayHypotheses:
             return rival is not None
         return self.streak >= min(lasting.share * self.judgements, lasting.most)
 
-    def _line_evidence(self, state: Floats, ridges: RidgeMap, like: Floats) -> Floats:
-        """(H,) by the kinds of the lines; `like` (S,) are the strips between them, nan where that is not known."""
+    def _line_evidence(self, state: Floats, ridges: RidgeMap) -> Floats:
+        """(H,) by the kinds of the lines."""
         view, config = ridges.view, self.config
         right, reached = seen_places(state, NUMBERS, view.forward_m, view.camera)
         columns, inside = view.columns(right, reached)
@@ -148,9 +144,6 @@ class CarriagewayHypotheses:
         likely = -0.5 * ((share[:, None, None] - mean) / sigma) ** 2 - np.log(sigma / sigma.max())  # (L, presences, 3)
         least = np.log(np.where(share < config.hidden_share, config.hidden, config.surprise))
         likely = np.maximum(likely - likely.max(axis=(1, 2), keepdims=True), least[:, None, None])
-        before = np.where(state[0] / state[WIDTH] > NUMBERS, np.append(like, np.nan), np.insert(like, 0, np.nan))
-        road = np.nan_to_num(before, nan=1.0)[:, None]  # of the ground on this side of a line
-        likely[..., NONE] = np.log(road * np.exp(likely[..., NONE]) + 1.0 - road)
         likely = np.where(known[:, None, None], likely, 0.0)
         return np.asarray(likely[np.arange(len(NUMBERS)), :, KINDS].sum(axis=1).max(axis=1))
 
@@ -165,21 +158,17 @@ class CarriagewayHypotheses:
             self.agreement = now if before is None else config.kept * before + (1.0 - config.kept) * now
 
 
-def _ground_evidence(like: Floats, config: GroundConfig) -> Floats:
-    """(H,) by the ground between the lines, (S,)."""
-    road, verge, known = config.least_road, config.least_verge, np.isfinite(like)
-    of_road = np.where(known, config.weight * np.log(road + (1.0 - road) * like), 0.0)
-    of_verge = np.where(known, config.weight * np.log(verge + (1.0 - verge) * (1.0 - like)), 0.0)
-    on_road = (NUMBERS[:-1] >= FAR[:, None]) & (NUMBERS[:-1] < RIGHT[:, None])
-    return np.asarray(np.where(on_road, of_road, of_verge).sum(axis=1))
-
-
-def _like_own_lane(
-    state: Floats, ridges: RidgeMap, colour: Image, colour_view: BirdsEye, unlike_levels: float, least_length_m: float
+def _ground_evidence(
+    state: Floats, ridges: RidgeMap, colour: Image, colour_view: BirdsEye, config: GroundConfig, least_length_m: float
 ) -> Floats:
-    """(S,) 0 .. 1, how much the strips between lines look like the own lane; nan where too little of one is seen."""
+    """(H,) by the ground between the lines."""
     unlike, known = _unlike_own_lane(state, ridges, colour, colour_view, least_length_m)
-    return np.where(known, 1.0 / (1.0 + (unlike / unlike_levels) ** 4), np.nan)
+    road, verge = config.least_road, config.least_verge
+    like = 1.0 / (1.0 + (unlike / config.unlike_levels) ** 4)
+    of_road = config.weight * np.log(road + (1.0 - road) * like)
+    of_verge = config.weight * np.log(verge + (1.0 - verge) * (1.0 - like))
+    on_road = (NUMBERS[:-1] >= FAR[:, None]) & (NUMBERS[:-1] < RIGHT[:, None])
+    return np.asarray(np.where(on_road, np.where(known, of_road, 0.0), np.where(known, of_verge, 0.0)).sum(axis=1))
 
 
 def _unlike_own_lane(
