@@ -274,7 +274,7 @@ def test_a_body_that_was_passed_and_is_behind_us_hides_no_line() -> None:
     camera = Camera()
     picture, tracker = RoadPicture(camera, 0.01), RoadEdgeTracker(camera, ROBUST.road_edges, 20.0)
     known: list[RoadEdges] = []
-    for i in range(24):
+    for i in range(60):
         pose = picture.pose(i * SPEED_MPS / 20.0, 1.75, 0.0)
         frame = picture.draw(pose, i)
         known.append(tracker.update(frame, grey(frame), pose, SPEED_MPS, 0.0, behind if i >= 16 else None))
