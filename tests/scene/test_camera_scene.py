@@ -114,11 +114,11 @@ def test_what_lies_in_the_plane_of_the_road_is_no_obstacle(relief: float, report
     assert len(scene.obstacles(here)) == reported
 
 
-@pytest.mark.parametrize(("d_m", "left"), [(0.4, 0), (1.2, 1)])
+@pytest.mark.parametrize(("d_m", "left"), [(0.4, 0), (1.3, 1)])
 def test_what_the_car_drives_over_was_none(d_m: float, left: int) -> None:
-    """Something is reported 12 m ahead, in the way or beside it, until the car has driven 11 m."""
+    """Something is reported 12 m ahead, in the way or beside it, until the car has driven on."""
     scene, one = camera_scene(), np.ones(1)
-    for driven_m in np.arange(0.0, 11.0, 0.25):
+    for driven_m in np.arange(0.0, 12.0, 0.25):
         here = observed(driven_m, 0.0, 0.0, driven_m / 5.0)
         ahead = Obstacles((12.0 - driven_m) * one, (d_m - 0.3) * one, (d_m + 0.3) * one, 0.1 * one, one, np.array([5]))
         scene.observe(seen(edges_at(0.0, 0.0, 0.0), ahead), here)

@@ -69,11 +69,9 @@ def test_the_uncertainty_grows_with_that_of_the_speed() -> None:
     np.testing.assert_allclose(seen.across_sigma_m[0], 0.1)
 
 
-@pytest.mark.parametrize("speed_mps", [0.0, 5.0])
-def test_who_is_along_the_road_keeps_its_lane_and_who_crosses_may_go_anywhere(speed_mps: float) -> None:
-    """Also who may stand or drive, since it has not been seen for a while."""
+def test_who_drives_along_the_road_keeps_its_lane_and_who_crosses_may_go_anywhere() -> None:
     straight = road()
-    along = tracks(straight, (80.0, LANE_M, 0.0, speed_mps, 4.5, 1.9))
+    along = tracks(straight, (80.0, LANE_M, 0.0, 5.0, 4.5, 1.9))
     crosses = tracks(straight, (80.0, LANE_M, 0.5 * np.pi, 5.0, 4.5, 1.9))
     for made in (along, crosses):
         made.covariance[0] = np.diag([1.0, 1.0, 1.0, 1.0])
@@ -101,3 +99,13 @@ def test_a_car_that_stands_in_a_known_lane_stays() -> None:
     made = tracks(straight, (10.0, 0.4, 0.3, 0.0, 4.5, 1.9))
     seen = predict(straight, replace(made, lanes=(LanePlace(lane, 10.0, 0.4),)), TIMES_S)
     np.testing.assert_allclose([seen.x_m[0], seen.y_m[0]], [[10.0] * 10, [0.4] * 10])
+
+
+def test_a_vehicle_that_was_lost_from_sight_keeps_its_lane_and_a_pedestrian_may_be_anywhere() -> None:
+    """Both perhaps stand by now: their velocity is unknown, and so is their place, within 2 m."""
+    straight = road()
+    vehicle, pedestrian = (tracks(straight, (80.0, LANE_M, 0.0, 0.0, *size)) for size in ((4.5, 1.9), (0.5, 0.5)))
+    for made in (vehicle, pedestrian):
+        made.covariance[0] = np.diag([4.0, 4.0, 0.0, 0.0])
+    assert predict(straight, vehicle, TIMES_S).across_sigma_m.max() < 0.25 * LANE_M
+    assert predict(straight, pedestrian, TIMES_S).across_sigma_m.min() == pytest.approx(2.0)

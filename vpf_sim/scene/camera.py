@@ -36,7 +36,7 @@ ACTOR_M = np.array([2.5, 1.5])  # along and across: what stands so near to an ac
 NEWEST = 0.5  # of the mean relief
 NEARER_SIGMA = 0.15  # of the distance at which a vehicle stands, as a share of it
 FOLLOWED_M, FORGOTTEN_S = (3.0, 25.0), 1.0  # where, and how long after the last detection, points show a velocity
-UNDER_M = 0.3  # within the car's sides, from which a face is under the car
+UNDER_M = np.array([1.0, 0.3])  # within the car's ends and sides, from which a face's middle is under the car
 CROSSING = 1.0  # across over along, from which a track shows its side
 
 
@@ -74,12 +74,12 @@ class CameraScene:
         self._unseen.update(observation.time_s, observation.speed_mps, self._tracker.traffic_mps)
 
     def _under_the_car(self, observation: Observation) -> Bools:
-        """(K,) tracks that stand where the car is by now: it would have hit them."""
+        """(K,) tracks that stand, with their face's middle under the car by now: it would have hit them."""
         assert self.road is not None
         table, size = self._tracker.table, np.array([self._vehicle.length_m, self._vehicle.width_m])
         x, y, _ = self.road.world(table.state[:, 0], table.state[:, 1])
         apart = np.abs(vehicle_from_world(np.column_stack([x, y]), observation.pose))
-        return np.asarray(table.slow & np.all(apart < 0.5 * size - UNDER_M, axis=1))
+        return np.asarray(~_moving(table) & np.all(apart < 0.5 * size - UNDER_M, axis=1))
 
     def _detections(self, obstacles: Obstacles, observation: Observation, evidence: Evidence, s_m: float) -> Detections:
         """All that was found in the last frame."""
@@ -224,9 +224,7 @@ def _lane_middles(left_m: float, right_m: float, width_m: float) -> Floats:
 def tracks_of(table: TrackTable, road: Road) -> Tracks:
     """Faces in road coordinates as rectangles in the world; what crosses shows its side."""
     s, d, along, across = table.state.T
-    sigma = np.sqrt(np.diagonal(table.covariance, axis1=1, axis2=2))
-    speed = np.hypot(along, across)
-    moving = (speed > STANDING_MPS) & (speed > STANDING_SIGMAS * np.hypot(sigma[:, 2], sigma[:, 3]))
+    speed, moving = np.hypot(along, across), _moving(table)
     crosses = moving & (np.abs(across) > CROSSING * np.abs(along))
     depth = np.where(crosses, np.minimum(table.length_m, table.width_m), table.length_m)
     x, y, direction = road.world(s + 0.5 * depth, d)
@@ -247,7 +245,14 @@ def tracks_of(table: TrackTable, road: Road) -> Tracks:
     )
 
 
-def _in_track_axes(covariance: Floats, turn_rad: Floats, moving: Floats) -> Floats:
+def _moving(table: TrackTable) -> Bools:
+    """(K,) tracks whose velocity is surely not 0."""
+    speed = np.hypot(*table.state[:, 2:].T)
+    sigma = np.sqrt(np.diagonal(table.covariance, axis1=1, axis2=2))
+    return np.asarray((speed > STANDING_MPS) & (speed > STANDING_SIGMAS * np.hypot(sigma[:, 2], sigma[:, 3])))
+
+
+def _in_track_axes(covariance: Floats, turn_rad: Floats, moving: Bools) -> Floats:
     """(K, 4, 4) covariances (K, 4, 4) in axes turned by (K,); what stands has no velocity."""
     cosine, sine = np.cos(turn_rad), np.sin(turn_rad)
     turned = np.zeros_like(covariance)

@@ -3,7 +3,7 @@ growing uncertainty.
 
 A vehicle whose lane is known is expected to follow it, and to come to its middle. Another that drives along the road
 and moves to the side is expected to stay in the lane that it comes to. Both keep their lanes also where no camera sees
-them and while they stand, so along the road their uncertainty across stays bounded. What crosses the road, or is
+them and while they stand, so along the road a vehicle's uncertainty across stays bounded. What crosses the road, or is
 beside it as in a junction, keeps its speed and turn rate (CTRV: Schubert, Richter, Wanielik, Fusion 2008).
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from vpf_sim.geometry import wrap_angles
 from vpf_sim.scene.road import Road
-from vpf_sim.scene.tracks import Tracks
+from vpf_sim.scene.tracks import VEHICLE_M, Tracks
 from vpf_sim.types import Bools, Floats, Integers, Reals
 
 ALONG_RAD = 0.5  # a track at a smaller angle to the road, in either direction, drives along it
@@ -21,7 +21,7 @@ LANE_CHANGE_MPS = 0.05  # lateral speed of a vehicle that changes its lane
 NEXT_LANE_SHARE = 0.05  # of a lane's width; who is nearer to a lane's middle is in that lane
 BESIDE_M = 1.0  # beyond an edge, a track along the road still follows it
 MOVING_MPS = 0.2
-KEEPS_LANE_M = 0.4  # standard deviation across, at most, of what does not cross the road
+KEEPS_LANE_M = 0.4  # standard deviation across, at most, of what drives along the road, and of vehicles that stand
 TO_MIDDLE_S = 0.8  # in which the distance from the lane's middle falls to its e-th part
 
 
@@ -58,7 +58,8 @@ def predict(road: Road, tracks: Tracks, times_s: Reals) -> Prediction:
         _leave(road, s, d, rows, (x, y, heading), tracks.speed_mps, times_s)
     _follow_lanes(tracks, (x, y, heading), times_s)
     across_sigma = _sigma(tracks, 1, times_s)
-    most = np.where(on_road, KEEPS_LANE_M, np.inf)
+    vehicle = (tracks.length_m > VEHICLE_M[0]) & (tracks.width_m > VEHICLE_M[1])
+    most = np.where(on_road & (vehicle | (tracks.speed_mps > MOVING_MPS)), KEEPS_LANE_M, np.inf)
     across_sigma = np.minimum(across_sigma, most[:, None])
     return Prediction(tracks, x, y, heading, _sigma(tracks, 0, times_s), across_sigma, on_road, along, across)
 

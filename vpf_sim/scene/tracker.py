@@ -15,6 +15,7 @@ from scipy.stats import chi2
 
 from vpf_sim.scene.road import Road
 from vpf_sim.scene.scene_settings import TrackerConfig
+from vpf_sim.scene.tracks import VEHICLE_M
 from vpf_sim.types import Bools, Floats, Integers
 
 STANDS_MPS = 0.3
@@ -25,7 +26,7 @@ BEHIND_M, AHEAD_M = 40.0, 120.0  # tracks that are farther away are pruned
 LEAST_MPS, SURE_SIGMAS, SURE_FRAMES = np.array([1.0, 0.5]), 3.0, 3.0  # of points by which a standing track moves away
 DISTANCE_SHARE = 0.5  # of the own speed, along
 CROSSES_MPS = 0.6  # across, and more than along
-DRIVES_MPS, ALONG_SHARE, VEHICLE_M = 1.5, 0.3, (3.0, 1.2)  # of traffic: speed, share of it across, size
+DRIVES_MPS, ALONG_SHARE = 1.5, 0.3  # of traffic: speed, share of it across
 LEFT_M, MOVED_LOSS_PER_S = 3.0, 2.0  # what stands so near to where it is now is what it was
 AS_FAR_M, MUCH_WIDER = 1.0, 1.5  # neighbours that are seen as one: distance along, and width by a neighbour's
 VAGUE_M = 5.0  # or whose place is known no better

@@ -8,6 +8,8 @@ import numpy as np
 from vpf_sim.scene.lanes import LanePlace
 from vpf_sim.types import Floats, Integers
 
+VEHICLE_M = 3.0, 1.2  # length and width, beyond which something is as large as a vehicle
+
 
 @dataclass(frozen=True, slots=True)
 class Tracks:

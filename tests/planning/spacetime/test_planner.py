@@ -131,7 +131,7 @@ def test_a_car_that_stopped_in_a_swerve_drives_on_beside_the_edge() -> None:
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-@pytest.mark.parametrize("speed_mps", [1.0, 2.0, 4.0])
+@pytest.mark.parametrize("speed_mps", [0.0, 0.5, 1.0])
 def test_it_keeps_to_the_side_of_its_last_plan_where_both_are_alike(side: float, speed_mps: float) -> None:
     """A parked car in the middle is measured some centimetres farther left, then farther right."""
     on, planner = road(), SpacetimePlanner(settings.load(), VehicleModel())

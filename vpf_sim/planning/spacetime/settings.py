@@ -52,7 +52,9 @@ class CostSettings:
     near_scale_m: float = setting("Distance in which the potential of an object falls to its e-th part.", gt=0.0)
     follow: float = setting("Weight of the squared lack of braking distance behind an object.", ge=0.0)
     time_gap: float = setting("Weight of the squared lack of a second's distance behind an object.", ge=0.0)
-    change_side: float = setting("Weight of the distance from the last plan, one second ahead.", ge=0.0)
+    change_side: float = setting(
+        "Weight of the distance from the last plan's path, one second ahead or the least reach.", ge=0.0
+    )
     change_speed: float = setting("Weight of another speed than in the last plan, one second ahead.", ge=0.0)
 
 
