@@ -28,7 +28,7 @@ ON_PLAN_M, ON_PLAN_RAD, ON_PLAN_MPS = 0.3, 0.1, 0.7  # a car that is nearer to i
 LARGEST_ANGLE_RAD = 0.9
 SLOW_MPS = 0.3  # below it the yaw rate tells nothing of the curvature
 SHARPEST_PER_M = 1.0  # of the own course; more is no car's
-CHANGE_S = 1.0  # ahead, at which a plan is compared with the last
+CHANGE_S, CHANGE_M = 1.0, 4.0  # ahead, at least, where a plan is compared with the last
 
 
 class SpacetimePlanner:
@@ -114,14 +114,13 @@ class SpacetimePlanner:
     def _changes(self, scene: Scene, start: PathState, paths: Paths, profiles: Profiles) -> Reals:
         """(P, M) cost of another path and another speed, soon, than in the last plan.
 
-        Paths are compared at least as far ahead as one needs to the side, so that a slow car keeps to its way, too.
+        Paths are compared some metres ahead also while the car is slow, so that it keeps to its way.
         """
         last = self.motion
         if last is None:
             return np.zeros((1, 1))
-        settings = self._settings.candidates
-        soon = round(CHANGE_S / settings.step_s)
-        there = np.array([start.s_m + max(start.speed_mps * CHANGE_S, min(settings.least_reach_m))])
+        soon = round(CHANGE_S / self._settings.candidates.step_s)
+        there = np.array([start.s_m + max(start.speed_mps * CHANGE_S, CHANGE_M)])
         aside = np.abs(paths.at(there[None])[0] - last.path.at(there)[0])
         faster = np.abs(profiles.speed_mps[:, soon] - last.speed_at(scene.time_s + CHANGE_S))
         changed: Reals = self._settings.cost.change_side * aside + self._settings.cost.change_speed * faster

@@ -53,7 +53,7 @@ class CostSettings:
     follow: float = setting("Weight of the squared lack of braking distance behind an object.", ge=0.0)
     time_gap: float = setting("Weight of the squared lack of a second's distance behind an object.", ge=0.0)
     change_side: float = setting(
-        "Weight of the distance from the last plan's path, one second ahead or the least reach.", ge=0.0
+        "Weight of the distance from the last plan's path, one second ahead, at least 4 m.", ge=0.0
     )
     change_speed: float = setting("Weight of another speed than in the last plan, one second ahead.", ge=0.0)
 
