@@ -36,7 +36,7 @@ ACTOR_M = np.array([2.5, 1.5])  # along and across: what stands so near to an ac
 NEWEST = 0.5  # of the mean relief
 NEARER_SIGMA = 0.15  # of the distance at which a vehicle stands, as a share of it
 FOLLOWED_M, FORGOTTEN_S = (3.0, 25.0), 1.0  # where, and how long after the last detection, points show a velocity
-UNDER_M = np.array([1.0, 0.3])  # within the car's ends and sides, from which a face's middle is under the car
+UNDER_M = 1.0, 0.3  # within the car's ends and sides, from which a face's middle is under the car
 CROSSING = 1.0  # across over along, from which a track shows its side
 
 
@@ -76,10 +76,11 @@ class CameraScene:
     def _under_the_car(self, observation: Observation) -> Bools:
         """(K,) tracks that stand, with their face's middle under the car by now: it would have hit them."""
         assert self.road is not None
-        table, size = self._tracker.table, np.array([self._vehicle.length_m, self._vehicle.width_m])
-        x, y, _ = self.road.world(table.state[:, 0], table.state[:, 1])
-        apart = np.abs(vehicle_from_world(np.column_stack([x, y]), observation.pose))
-        return np.asarray(~_moving(table) & np.all(apart < 0.5 * size - UNDER_M, axis=1))
+        table, (ends_m, sides_m) = self._tracker.table, UNDER_M
+        forward, right, _ = _from_car(self.road, observation, *table.state[:, :2].T)
+        under = np.abs(forward) < 0.5 * self._vehicle.length_m - ends_m
+        under &= np.abs(right) < 0.5 * self._vehicle.width_m - sides_m
+        return np.asarray(under & ~_moving(table))
 
     def _detections(self, obstacles: Obstacles, observation: Observation, evidence: Evidence, s_m: float) -> Detections:
         """All that was found in the last frame."""
@@ -126,8 +127,7 @@ class CameraScene:
             return none()
         s, d, along, across = table.state.T
         moves, since_s = np.hypot(along, across) > STANDING_MPS, observation.time_s - self._last.time_s
-        x, y, _ = self.road.world(s + along * since_s, d + across * since_s)
-        forward, right = vehicle_from_world(np.column_stack([x, y]), observation.pose).T
+        forward, right, _ = _from_car(self.road, observation, s + along * since_s, d + across * since_s)
         speed, half = np.where(moves, along, 0.0), 0.5 * table.width_m
         with np.errstate(divide="ignore", invalid="ignore"):
             closing = observation.speed_mps - speed
@@ -158,9 +158,7 @@ class CameraScene:
         """Correct the velocities of tracks by the motion of the points on them."""
         assert self.road is not None
         table = self._tracker.table
-        x, y, heading = self.road.world(table.state[:, 0], table.state[:, 1])
-        forward, right = vehicle_from_world(np.column_stack([x, y]), observation.pose).T
-        turn = heading - observation.yaw_rad  # of the road's axes in the vehicle's
+        forward, right, turn = _from_car(self.road, observation, *table.state[:, :2].T)
         ahead = (forward > FOLLOWED_M[0]) & (forward < FOLLOWED_M[1]) & (np.abs(right) < BEARING * forward)
         for row in np.flatnonzero(ahead & (table.unseen_s < FORGOTTEN_S)).tolist():
             road_axes = rotation(turn[row])  # in the vehicle's
@@ -180,11 +178,16 @@ class CameraScene:
     def _visible(self, observation: Observation) -> Floats:
         """(K,) 1 for tracks that should be detected, a little for those that cannot be."""
         assert self.road is not None
-        state = self._tracker.table.state
-        x, y, _ = self.road.world(state[:, 0], state[:, 1])
-        forward, right = vehicle_from_world(np.column_stack([x, y]), observation.pose).T
+        forward, right, _ = _from_car(self.road, observation, *self._tracker.table.state[:, :2].T)
         visible = (forward > SIGHT_M[0]) & (forward < SIGHT_M[1]) & (np.abs(right) < BEARING * forward)
         return np.where(visible, 1.0, OUT_OF_SIGHT)
+
+
+def _from_car(road: Road, observation: Observation, s_m: Floats, d_m: Floats) -> tuple[Floats, Floats, Floats]:
+    """(K,) each: places on the road in vehicle axes, m forward and right, and how far the road is turned there, rad."""
+    x, y, heading = road.world(s_m, d_m)
+    forward, right = vehicle_from_world(np.column_stack([x, y]), observation.pose).T
+    return forward, right, heading - observation.yaw_rad
 
 
 def road_of(edges: RoadEdges, pose: Floats, s_m: float) -> Road:

@@ -13,7 +13,7 @@ import numpy as np
 
 from vpf_sim.geometry import wrap_angles
 from vpf_sim.scene.road import Road
-from vpf_sim.scene.tracks import VEHICLE_M, Tracks
+from vpf_sim.scene.tracks import Tracks, vehicle_sized
 from vpf_sim.types import Bools, Floats, Integers, Reals
 
 ALONG_RAD = 0.5  # a track at a smaller angle to the road, in either direction, drives along it
@@ -58,8 +58,8 @@ def predict(road: Road, tracks: Tracks, times_s: Reals) -> Prediction:
         _leave(road, s, d, rows, (x, y, heading), tracks.speed_mps, times_s)
     _follow_lanes(tracks, (x, y, heading), times_s)
     across_sigma = _sigma(tracks, 1, times_s)
-    vehicle = (tracks.length_m > VEHICLE_M[0]) & (tracks.width_m > VEHICLE_M[1])
-    most = np.where(on_road & (vehicle | (tracks.speed_mps > MOVING_MPS)), KEEPS_LANE_M, np.inf)
+    keeps = on_road & (vehicle_sized(tracks.length_m, tracks.width_m) | (tracks.speed_mps > MOVING_MPS))
+    most = np.where(keeps, KEEPS_LANE_M, np.inf)
     across_sigma = np.minimum(across_sigma, most[:, None])
     return Prediction(tracks, x, y, heading, _sigma(tracks, 0, times_s), across_sigma, on_road, along, across)
 

@@ -15,7 +15,7 @@ from scipy.stats import chi2
 
 from vpf_sim.scene.road import Road
 from vpf_sim.scene.scene_settings import TrackerConfig
-from vpf_sim.scene.tracks import VEHICLE_M
+from vpf_sim.scene.tracks import vehicle_sized
 from vpf_sim.types import Bools, Floats, Integers
 
 STANDS_MPS = 0.3
@@ -142,7 +142,7 @@ class SceneTracker:
         table = self.table
         along, across = table.state[:, 2], np.abs(table.state[:, 3])
         drives = (along > DRIVES_MPS) & (across < ALONG_SHARE * along) & (table.gain > REPORT)
-        drives &= (table.length_m > VEHICLE_M[0]) & (table.width_m > VEHICLE_M[1])
+        drives &= vehicle_sized(table.length_m, table.width_m)
         return dict(zip(table.identity[drives].tolist(), along[drives].tolist(), strict=True))
 
     @property

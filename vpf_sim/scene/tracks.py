@@ -6,9 +6,14 @@ from typing import Any
 import numpy as np
 
 from vpf_sim.scene.lanes import LanePlace
-from vpf_sim.types import Floats, Integers
+from vpf_sim.types import Bools, Floats, Integers
 
 VEHICLE_M = 3.0, 1.2  # length and width, beyond which something is as large as a vehicle
+
+
+def vehicle_sized(length_m: Floats, width_m: Floats) -> Bools:
+    """(K,) what is as large as a vehicle."""
+    return np.asarray((length_m > VEHICLE_M[0]) & (width_m > VEHICLE_M[1]))
 
 
 @dataclass(frozen=True, slots=True)
