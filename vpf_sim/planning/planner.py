@@ -14,6 +14,6 @@ def create_planner(setup: DriverSetup, variant: Variant) -> Planner:
     assert variant.scene is not None  # Variant has checked
     assert variant.visibility is not None
     in_sight = SpeedInSight(variant.visibility, setup)
-    from vpf_sim.planning.scene_planner import ScenePlanner  # imports scipy.stats, which others do not need
+    from vpf_sim.planning.scene_planner import ScenePlanner  # imports scipy.optimize, which others do not need
 
     return ScenePlanner(setup, variant.scene, variant.road_edges.object_sizes, in_sight)

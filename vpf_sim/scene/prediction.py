@@ -37,7 +37,6 @@ class Prediction:
     across_sigma_m: Floats  # (K, T)
     on_road: Bools  # (K,) follows the road
     along_mps: Floats  # (K,) speed along the road, of those on it
-    across_mps: Floats  # (K,)
 
 
 def predict(road: Road, tracks: Tracks, times_s: Reals) -> Prediction:
@@ -61,7 +60,7 @@ def predict(road: Road, tracks: Tracks, times_s: Reals) -> Prediction:
     keeps = on_road & (vehicle_sized(tracks.length_m, tracks.width_m) | (tracks.speed_mps > MOVING_MPS))
     most = np.where(keeps, KEEPS_LANE_M, np.inf)
     across_sigma = np.minimum(across_sigma, most[:, None])
-    return Prediction(tracks, x, y, heading, _sigma(tracks, 0, times_s), across_sigma, on_road, along, across)
+    return Prediction(tracks, x, y, heading, _sigma(tracks, 0, times_s), across_sigma, on_road, along)
 
 
 def _follows(left_m: Floats, right_m: Floats, relative: Floats, tracks: Tracks) -> Bools:

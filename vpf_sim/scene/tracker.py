@@ -11,7 +11,7 @@ from typing import Self
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from vpf_sim.scene.road import Road
 from vpf_sim.scene.scene_settings import TrackerConfig
@@ -19,7 +19,7 @@ from vpf_sim.scene.tracks import vehicle_sized
 from vpf_sim.types import Bools, Floats, Integers
 
 STANDS_MPS = 0.3
-GATE = float(chi2.ppf(0.999, 2))  # of the squared Mahalanobis distance in place
+GATE = float(chdtri(2, 0.001))  # of the squared Mahalanobis distance in place
 VELOCITY_SLACK_MPS = 1.5  # added to the velocities' standard deviations: a track may begin to move or stop
 SPAWN, REPORT, PRUNE, SURE = -1.0, 0.0, -3.0, 2.0  # log-odds; SURE is less than a confirmed obstacle adds
 BEHIND_M, AHEAD_M = 40.0, 120.0  # tracks that are farther away are pruned

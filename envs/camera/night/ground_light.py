@@ -9,7 +9,6 @@ from vpf_sim.types import Floats
 COLUMN_PX = 8  # the light is smooth across: worked out for every eighth column
 FARTHEST_M = 260.0
 LARGEST = 2.0  # factor that 255 stands for
-STREET_AHEAD_M = 130.0  # street lamps beyond light less than a few rows
 # Luminance of dry asphalt towards the driver: 15 mcd/m2 for each lx of his headlamps at 30 m (EN 1436, class RW1 of
 # paint has 150), 70 mcd/m2 for each lx from above (CIE 144, road class R3).
 ASPHALT = 0.015 / 0.07

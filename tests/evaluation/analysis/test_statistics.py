@@ -16,7 +16,7 @@ from vpf_sim.evaluation.analysis.statistics import (
     seeds_for_share,
     share_interval,
 )
-from vpf_sim.types import Floats
+from vpf_sim.types import Bools, Floats
 
 RANDOM = np.random.Generator(np.random.PCG64(11))
 
@@ -173,6 +173,13 @@ def test_mcnemar_counts_the_pairs_that_differ() -> None:
     assert found.interval is not None
     assert found.interval.low > 0.0
     assert paired_shares(first, first)[::2] == (0.0, 1.0)
+
+
+@pytest.mark.parametrize("only_first", range(8))
+def test_mcnemar_is_the_binomial_test(only_first: int) -> None:
+    first: Bools = np.arange(12) < only_first
+    second: Bools = (np.arange(12) >= only_first) & (np.arange(12) < 7)
+    assert paired_shares(first, second).p == pytest.approx(stats.binomtest(only_first, 7).pvalue)
 
 
 @pytest.mark.parametrize(("only_first", "only_second"), [(0.1, 0.1), (0.3, 0.05), (0.02, 0.02)])

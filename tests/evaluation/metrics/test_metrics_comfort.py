@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import savgol_filter
 
 from vpf_sim.evaluation.metrics.comfort import BOUNDS, comfort, nuplan_signals, raw_percentiles
 from vpf_sim.evaluation.steps import Step, StepTable
@@ -46,6 +47,21 @@ def test_a_ramp_of_acceleration_is_its_jerk() -> None:
     inside = slice(15, -15)  # at both ends the acceleration is a one-sided difference
     assert found["longitudinal_jerk_mps3"][inside] == pytest.approx(1.0, abs=1e-6)
     assert found["jerk_mps3"][inside] == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("samples", [6, 7, 8, 9, 14, 15, 16, 40])
+def test_the_filters_are_scipys(samples: int) -> None:
+    """Also at both ends, and where a drive is shorter than their windows."""
+    chance = np.random.default_rng(samples)
+    time_s = np.arange(samples) / 10.0
+    speed, yaw = chance.normal(5.0, 1.0, samples), chance.uniform(-1.0, 1.0, samples)
+    found = nuplan_signals(time_s, speed, yaw, np.zeros(samples))
+    assert found is not None
+    along = savgol_filter(np.gradient(speed, time_s), min(8, samples), 2)
+    jerk = savgol_filter(along, min(15, samples), 2, deriv=1, delta=0.1)
+    assert found["longitudinal_acceleration_mps2"] == pytest.approx(along)
+    assert found["longitudinal_jerk_mps3"] == pytest.approx(jerk)
+    assert found["yaw_acceleration_radps2"] == pytest.approx(savgol_filter(yaw, 5, 3, deriv=2, delta=0.1))
 
 
 def test_yaw_is_unwrapped() -> None:
