@@ -26,13 +26,13 @@ class PointDetector:
         self.coming: Integers = np.empty(0, np.int64)  # rows of the last frame's points of oncoming traffic
 
     def observe(
-        self, flow: Flow, points: Triangulation, road: RoadEdges, moving: Bools | None = None
+        self, flow: Flow, points: Triangulation, road: RoadEdges, moving: Bools | None, far_m: float
     ) -> PointObservations:
-        """The points above the road that are not of obstacles that `moving` (N,) marks."""
+        """The points above the road, at most `far_m` deep, that are not of obstacles that `moving` (N,) marks."""
         if self._looming is not None:
             self._looming.record(flow)
         texture, _ = eigenvalues(flow.structure)
-        tall = self._are_tall(flow, points, road)
+        tall = self._are_tall(flow, points, road, far_m)
         low = self._are_low(flow, points, texture, road) & ~tall
         found = tall | low if moving is None else (tall | low) & ~moving
         rows = np.flatnonzero(found)
@@ -49,12 +49,12 @@ class PointDetector:
             margin=points.chi2_ground[rows] - points.chi2[rows],
         )
 
-    def _are_tall(self, flow: Flow, points: Triangulation, road: RoadEdges) -> Bools:
+    def _are_tall(self, flow: Flow, points: Triangulation, road: RoadEdges, far_m: float) -> Bools:
         """(N,) points that surely stand above the carriageway."""
         config = self._config
         depth = points.depth_m
         with np.errstate(invalid="ignore", divide="ignore"):
-            above = (depth > config.near_m) & (depth < config.far_m)
+            above = (depth > config.near_m) & (depth < far_m)
             above &= flow.age_frames >= frames(config.min_age_s, self._rate_hz)
             if config.travel_share is not None:
                 above &= np.hypot(*(flow.pose[:2] - flow.first_pose[:, :2]).T) > config.travel_share * depth

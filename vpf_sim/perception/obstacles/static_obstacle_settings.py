@@ -193,6 +193,11 @@ class StaticObstacleConfig:
     link_forward_m: float = setting("Distance along the road below which points belong to one obstacle.", ge=0.0)
     face_sigma_m: float = setting("Largest standard deviation of a reported obstacle's face.", ge=0.0)
     reported_m: float = setting("Largest distance of a reported obstacle: depth errors grow with its square.", ge=0.0)
+    reported_s: float = setting(
+        "Time ahead up to which obstacles are reported, where it reaches beyond `reported_m`: from a longer way depths "
+        "are known farther.",
+        ge=0.0,
+    )
     beside_m: float = setting("Margin added to each reported side.", ge=0.0)
     least_width_m: float = setting("Least reported width: a cone's base is wider than its stripes.", ge=0.0)
     behind_m: float = setting("Distance behind the car at which an obstacle is pruned.", ge=0.0)
@@ -225,3 +230,7 @@ class StaticObstacleConfig:
     fragment: FragmentConfig | None = setting("Drops fragments behind an obstacle.", default=None)
     sharpest: SharpestConfig | None = setting("Takes the sides from the points observed from nearest.", default=None)
     face_correction: Switch | None = setting("Corrects faces for errors of depth.", default=None)
+
+    def reach(self, speed_mps: float) -> float:
+        """The factor by which points and obstacles count farther ahead than `far_m` and `reported_m` at a speed."""
+        return max(1.0, speed_mps * self.reported_s / self.reported_m)

@@ -79,11 +79,14 @@ class StaticObstacleTracker:
             points = self.triangulate(flow) if points is None else points
             if moving is not None and moving.any():
                 self.points.keep(~among(self.points.identity, flow.identity[moving]))
-            seen = self._detector.observe(flow, points, road, moving)
+            reach = self.config.reach(speed_mps)
+            seen = self._detector.observe(flow, points, road, moving, reach * self.config.far_m)
             self.points.record(seen, self.config, self._schedule.rate_hz, time_s)
             self._prune(flow)
             tracks = self.low_tracks.bodies(flow.pose)
-            self._tall, self._obstacles = self._clusters.obstacles(flow.pose, road, tracks)
+            self._tall, self._obstacles = self._clusters.obstacles(
+                flow.pose, road, tracks, reach * self.config.reported_m
+            )
             self._pose = flow.pose
         return to_current_frame(self._obstacles, self._pose, flow.pose, speed_mps)
 
