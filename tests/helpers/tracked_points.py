@@ -87,7 +87,7 @@ class Drive:
         for frame in frames:
             flow = self.flow(frame)
             points = tracker.refined(flow, tracker.triangulate(flow), self.road, match)
-            told.append(tracker.update(flow, self.road, SPEED_MPS, frame / RATE_HZ, points))
+            told.append(tracker.update(flow, self.road, self.speed_mps, frame / RATE_HZ, points))
         return told
 
 

@@ -34,6 +34,17 @@ def test_a_car_is_detected_far_away_and_measured() -> None:
     assert names == {0}
 
 
+@pytest.mark.parametrize(("speed_mps", "stops_from_mps"), [(14.0, 14.0), (20.0, 15.5)])
+def test_a_fast_car_detects_farther_ahead(speed_mps: float, stops_from_mps: float) -> None:
+    """In time to stop from 14 m/s; from 20 m/s it must slow down earlier or swerve."""
+    drive = Drive(np.concatenate([body(100.0, 0.3, 1.8, 1.4, 14), road_points(200)]), speed_mps=speed_mps)
+    found = drive.run(tracker(), range(int(95.0 / speed_mps * RATE_HZ)))
+    first = next(k for k, obstacles in enumerate(found) if len(obstacles))
+    stop_m = 0.3 * stops_from_mps + stops_from_mps**2 / (2.0 * 6.0)
+    assert 100.0 - BUMPER_M - drive.pose(first)[0] > stop_m
+    assert found[first].forward_m[0] == pytest.approx(100.0 - drive.pose(first)[0], abs=1.0)
+
+
 OWN = [path for path in optional_sections(static_obstacles()) if "." not in path]
 
 
