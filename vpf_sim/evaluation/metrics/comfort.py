@@ -107,8 +107,8 @@ def raw_percentiles(table: StepTable) -> dict[str, float]:
 def _fitted(signal: Floats, window: int, order: int, times: int = 0) -> Floats:
     """(N,) signal after the filter of Savitzky and Golay, derived `times`: polynomials fitted to `window` samples.
 
-    As scipy.signal.savgol_filter, whose import takes a quarter of the time in which a drive begins: at the middle of each
-    window, and at the samples themselves in the first and last half window.
+    As scipy.signal.savgol_filter, whose import takes a quarter of the time in which a drive begins: at the middle of
+    each window, and at the samples themselves in the first and last half window.
     """
     window = min(window, len(signal))
     half, samples = window // 2, np.arange(len(signal))
