@@ -23,6 +23,11 @@ class Clip:
     poster: str  # a data URI of a frame, or empty
     size_px: tuple[int, int] | None  # width and height of the frame
 
+    @property
+    def is_linked(self) -> bool:
+        """Whether the video is a file beside the page."""
+        return not self.source.startswith("data:")
+
     @classmethod
     def embedded(cls, content: bytes, poster: Image) -> "Clip":
         """The bytes of an .mp4 inside the page."""
