@@ -33,7 +33,7 @@ class ObstacleClusters:
         self._camera, self._config, self._points = camera, config, points
         self._rim_rad = 0.5 * config.window_px / camera.fx_px
         self._next = 0
-        self._reported_m = config.reported_m
+        self._reach = 1.0
         self.fragments = NONE  # tracks of points that parted from an obstacle and are none
 
     def next_identity(self) -> int:
@@ -41,12 +41,12 @@ class ObstacleClusters:
         return self._next - 1
 
     def obstacles(
-        self, pose: Floats, road: RoadEdges, tracks: Obstacles, reported_m: float
+        self, pose: Floats, road: RoadEdges, tracks: Obstacles, reach: float
     ) -> tuple[Obstacles, Obstacles]:
         """Tall obstacles; then all, with those of low points and low `tracks`. In vehicle axes at `pose`."""
         points, config = self._points, self._config
         low, alone, behind_m = config.low_obstacles, config.low_tracks, config.link_forward_m
-        self.fragments, self._reported_m = NONE, reported_m
+        self.fragments, self._reach = NONE, reach
         tall = self._of_points(points.confirmed & ~points.low, config, self._are_tall, pose, road)
         tall = widen(tall, np.maximum(tall.width_m + 2.0 * config.beside_m, config.least_width_m))
         found = tall
@@ -92,7 +92,12 @@ class ObstacleClusters:
         if not len(rows):
             return none()
         place, sigma = vehicle_from_world(self._points.place_m[rows], pose), self._points.sigma_m[rows]
-        near = partial(clusters, right_m=links.link_right_m, forward_m=links.link_forward_m, sigmas=config.sure_sigmas)
+        near = partial(
+            clusters,
+            right_m=self._reach * links.link_right_m,
+            forward_m=links.link_forward_m,
+            sigmas=config.sure_sigmas,
+        )
         label = near(place, sigma)
         accepted = are_obstacles(rows, label)
         if not accepted.any():
@@ -141,7 +146,7 @@ class ObstacleClusters:
         """
         points, config, count = self._points, self._config, len(accepted)
         face, face_sigma = (extent.corrected_front if config.face_correction else extent.front)(seen, label, count)
-        placed = (face_sigma < config.face_sigma_m) & (face < self._reported_m)
+        placed = (face_sigma < config.face_sigma_m) & (face < self._reach * config.reported_m)
         identity = self.identify(rows, label, accepted, placed, apart)
         accepted = accepted & (identity >= 0)
         across = extent.sides(seen, label, face, config.sharpest)

@@ -84,9 +84,7 @@ class StaticObstacleTracker:
             self.points.record(seen, self.config, self._schedule.rate_hz, time_s)
             self._prune(flow)
             tracks = self.low_tracks.bodies(flow.pose)
-            self._tall, self._obstacles = self._clusters.obstacles(
-                flow.pose, road, tracks, reach * self.config.reported_m
-            )
+            self._tall, self._obstacles = self._clusters.obstacles(flow.pose, road, tracks, reach)
             self._pose = flow.pose
         return to_current_frame(self._obstacles, self._pose, flow.pose, speed_mps)
 
