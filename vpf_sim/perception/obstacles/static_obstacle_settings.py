@@ -232,5 +232,8 @@ class StaticObstacleConfig:
     face_correction: Switch | None = setting("Corrects faces for errors of depth.", default=None)
 
     def reach(self, speed_mps: float) -> float:
-        """The factor by which points and obstacles count farther ahead than `far_m` and `reported_m` at a speed."""
+        """The factor by which points and obstacles count farther ahead than `far_m` and `reported_m` at a speed.
+
+        So far away few points are found, and those of one obstacle are this much farther apart than `link_right_m`.
+        """
         return max(1.0, speed_mps * self.reported_s / self.reported_m)
