@@ -40,9 +40,7 @@ class ObstacleClusters:
         self._next += 1
         return self._next - 1
 
-    def obstacles(
-        self, pose: Floats, road: RoadEdges, tracks: Obstacles, reach: float
-    ) -> tuple[Obstacles, Obstacles]:
+    def obstacles(self, pose: Floats, road: RoadEdges, tracks: Obstacles, reach: float) -> tuple[Obstacles, Obstacles]:
         """Tall obstacles; then all, with those of low points and low `tracks`. In vehicle axes at `pose`."""
         points, config = self._points, self._config
         low, alone, behind_m = config.low_obstacles, config.low_tracks, config.link_forward_m
