@@ -92,8 +92,8 @@ def test_naming_the_drivers_loads_none_of_them() -> None:
     assert done.stdout.strip() == "[]"
 
 
-def test_what_tracks_no_scene_does_not_wait_for_libraries_of_the_tracker() -> None:
-    """Nor does it wait for those that import far more than a drive and its scores need."""
+def test_a_driver_without_a_scene_imports_none_of_scipys_large_modules() -> None:
+    """The tracker of the scene alone uses one of them."""
     slow = "{'scipy.optimize', 'scipy.signal', 'scipy.stats'}"
     modules = "vpf_sim.drivers.perceiver, vpf_sim.evaluation.episode.episode, vpf_sim.evaluation.analysis.summary"
     code = f"import sys, {modules}; print(sorted({slow} & set(sys.modules)))"

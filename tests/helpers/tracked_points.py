@@ -78,17 +78,17 @@ class Drive:
         )
 
     def run(self, tracker: StaticObstacleTracker, frames: range) -> list[Obstacles]:
-        """What is told at each frame; these tracks do not slip, so each first sighting is found where it is."""
+        """The obstacles reported at each frame; no track slips, so each first observation is found where it is."""
 
         def match(rows: Integers, growth: Floats) -> tuple[Floats, Bools]:  # noqa: ARG001
             return np.zeros((len(rows), 2)), np.ones(len(rows), np.bool_)
 
-        told = []
+        reported = []
         for frame in frames:
             flow = self.flow(frame)
             points = tracker.refined(flow, tracker.triangulate(flow), self.road, match)
-            told.append(tracker.update(flow, self.road, self.speed_mps, frame / RATE_HZ, points))
-        return told
+            reported.append(tracker.update(flow, self.road, self.speed_mps, frame / RATE_HZ, points))
+        return reported
 
 
 class Traffic(Drive):

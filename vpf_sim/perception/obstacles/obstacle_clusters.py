@@ -33,7 +33,6 @@ class ObstacleClusters:
         self._camera, self._config, self._points = camera, config, points
         self._rim_rad = 0.5 * config.window_px / camera.fx_px
         self._next = 0
-        self._reach = 1.0
         self.fragments = NONE  # tracks of points that parted from an obstacle and are none
 
     def next_identity(self) -> int:
@@ -41,15 +40,18 @@ class ObstacleClusters:
         return self._next - 1
 
     def obstacles(self, pose: Floats, road: RoadEdges, tracks: Obstacles, reach: float) -> tuple[Obstacles, Obstacles]:
-        """Tall obstacles; then all, with those of low points and low `tracks`. In vehicle axes at `pose`."""
+        """Tall obstacles; then all, with those of low points and low `tracks`. In vehicle axes at `pose`.
+
+        `reach` is that of `StaticObstacleConfig.reach`.
+        """
         points, config = self._points, self._config
         low, alone, behind_m = config.low_obstacles, config.low_tracks, config.link_forward_m
-        self.fragments, self._reach = NONE, reach
-        tall = self._of_points(points.confirmed & ~points.low, config, self._are_tall, pose, road)
+        self.fragments = NONE
+        tall = self._of_points(points.confirmed & ~points.low, config, self._are_tall, pose, road, reach)
         tall = widen(tall, np.maximum(tall.width_m + 2.0 * config.beside_m, config.least_width_m))
         found = tall
         if low is not None:
-            flat = self._flat(tall, pose, road, low)
+            flat = self._flat(tall, pose, road, low, reach)
             if low.parallax is not None:
                 nearest, both = match_tracks(flat, tracks, low.parallax.along_m, low.beside_m)
                 flat = widen_to_tracks(flat, tracks, nearest, both)
@@ -60,7 +62,7 @@ class ObstacleClusters:
             found = join(found, flat, low.beside_m, sticks_out_m, low.before_m, behind_m)
         return tall, join(found, tracks, alone.beside_m, alone.sticks_out_m, alone.before_m, behind_m)
 
-    def _flat(self, tall: Obstacles, pose: Floats, road: RoadEdges, low: LowObstacleConfig) -> Obstacles:
+    def _flat(self, tall: Obstacles, pose: Floats, road: RoadEdges, low: LowObstacleConfig, reach: float) -> Obstacles:
         """Obstacles of low points that belong to no tall one.
 
         A line may have become known after a point was observed: points of no obstacle yet must be off all lines.
@@ -75,7 +77,7 @@ class ObstacleClusters:
             chosen[chosen] = ~belongs_to(place[chosen], place[parts], points.obstacle[parts], tall, low.part)
         fresh = chosen & (points.obstacle < 0)
         chosen[fresh] = off_lines(self._camera, place[fresh], road, low)
-        return self._of_points(chosen, low, partial(self._are_low, low), pose, road)
+        return self._of_points(chosen, low, partial(self._are_low, low), pose, road, reach)
 
     def _of_points(
         self,
@@ -84,18 +86,15 @@ class ObstacleClusters:
         are_obstacles: Callable[[Integers, Integers], Bools],
         pose: Floats,
         road: RoadEdges,
+        reach: float,
     ) -> Obstacles:
         """The obstacles that the chosen points (M,) form."""
         rows, config = np.flatnonzero(chosen), self._config
         if not len(rows):
             return none()
         place, sigma = vehicle_from_world(self._points.place_m[rows], pose), self._points.sigma_m[rows]
-        near = partial(
-            clusters,
-            right_m=self._reach * links.link_right_m,
-            forward_m=links.link_forward_m,
-            sigmas=config.sure_sigmas,
-        )
+        right_m, forward_m = reach * links.link_right_m, links.link_forward_m
+        near = partial(clusters, right_m=right_m, forward_m=forward_m, sigmas=config.sure_sigmas)
         label = near(place, sigma)
         accepted = are_obstacles(rows, label)
         if not accepted.any():
@@ -114,7 +113,7 @@ class ObstacleClusters:
             accepted = are_obstacles(rows, label)
             angle = extent.direction_at(seen, label, len(apart), road)
             along = extent.rotate(seen, angle[label])
-        return self._measure(rows, label, accepted, along, angle, apart)
+        return self._measure(rows, label, accepted, along, angle, apart, reach * config.reported_m)
 
     def _are_tall(self, rows: Integers, label: Integers) -> Bools:
         """(K,) clusters of points well above the road that are surely obstacles."""
@@ -136,6 +135,7 @@ class ObstacleClusters:
         seen: ObstaclePoints,
         angle: Floats,
         apart: Bools,
+        reported_m: float,
     ) -> Obstacles:
         """Identity, face and sides of the accepted clusters (K,); those `apart` were split from another.
 
@@ -144,7 +144,7 @@ class ObstacleClusters:
         """
         points, config, count = self._points, self._config, len(accepted)
         face, face_sigma = (extent.corrected_front if config.face_correction else extent.front)(seen, label, count)
-        placed = (face_sigma < config.face_sigma_m) & (face < self._reach * config.reported_m)
+        placed = (face_sigma < config.face_sigma_m) & (face < reported_m)
         identity = self.identify(rows, label, accepted, placed, apart)
         accepted = accepted & (identity >= 0)
         across = extent.sides(seen, label, face, config.sharpest)

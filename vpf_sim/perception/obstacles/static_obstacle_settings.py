@@ -232,8 +232,8 @@ class StaticObstacleConfig:
     face_correction: Switch | None = setting("Corrects faces for errors of depth.", default=None)
 
     def reach(self, speed_mps: float) -> float:
-        """The factor by which points and obstacles count farther ahead than `far_m` and `reported_m` at a speed.
+        """The factor of `far_m`, `reported_m` and `link_right_m` at a speed, at least 1.
 
-        So far away few points are found, and those of one obstacle are this much farther apart than `link_right_m`.
+        Far away few points are found, so those of one obstacle lie farther apart.
         """
         return max(1.0, speed_mps * self.reported_s / self.reported_m)

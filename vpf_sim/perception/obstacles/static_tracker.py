@@ -80,7 +80,7 @@ class StaticObstacleTracker:
             if moving is not None and moving.any():
                 self.points.keep(~among(self.points.identity, flow.identity[moving]))
             reach = self.config.reach(speed_mps)
-            seen = self._detector.observe(flow, points, road, moving, reach * self.config.far_m)
+            seen = self._detector.observe(flow, points, road, moving, reach)
             self.points.record(seen, self.config, self._schedule.rate_hz, time_s)
             self._prune(flow)
             tracks = self.low_tracks.bodies(flow.pose)
