@@ -53,14 +53,12 @@ class Road:
 
     def at(self, s_m: Reals) -> Section:
         """The road's quantities at stations of any shape."""
-        tables = (getattr(self, name) for name in Section._fields)
-        return Section(*(np.interp(s_m, self.station_m, table) for table in tables))
+        return Section(*self._tables_at(s_m, *Section._fields))
 
     def direction_at(self, s_m: float) -> tuple[float, float]:
         """Heading, rad, and curvature, 1/m, of the reference line at one s."""
-        tables = (self.heading_rad, self.curvature_per_m)
-        heading, curvature = (float(np.interp(s_m, self.station_m, table)) for table in tables)
-        return heading, curvature
+        heading, curvature = self._tables_at(s_m, "heading_rad", "curvature_per_m")
+        return float(heading), float(curvature)
 
     def lanes_at(self, s_m: Reals) -> Floats:
         """(L, ...) m, d of the lanes' middles at the nearest stations; nan where a lane is missing."""
@@ -71,18 +69,23 @@ class Road:
 
     def world(self, s_m: Floats, d_m: Floats) -> tuple[Floats, Floats, Floats]:
         """World x m, y m, and the road's heading, rad, at road coordinates."""
-        here = self.at(s_m)
-        x_m, y_m = here.x_m - d_m * np.sin(here.heading_rad), here.y_m + d_m * np.cos(here.heading_rad)
-        return x_m, y_m, here.heading_rad
+        x_m, y_m, heading = self._tables_at(s_m, "x_m", "y_m", "heading_rad")
+        return x_m - d_m * np.sin(heading), y_m + d_m * np.cos(heading), heading
 
     def place_at(self, x_m: Floats, y_m: Floats, near_s_m: Floats) -> tuple[Floats, Floats]:
         """s and d (N,) m of points (N,) in the world, each the foot of the perpendicular nearest to `near_s_m`."""
         s = np.asarray(near_s_m, float)
         for _ in range(PROJECTIONS):
-            here = self.at(s)
-            dx, dy = x_m - here.x_m, y_m - here.y_m
-            along = dx * np.cos(here.heading_rad) + dy * np.sin(here.heading_rad)
-            d = dy * np.cos(here.heading_rad) - dx * np.sin(here.heading_rad)
-            s = s + along / np.maximum(1.0 - here.curvature_per_m * d, LEAST_STRETCH)
-        here = self.at(s)
-        return s, (y_m - here.y_m) * np.cos(here.heading_rad) - (x_m - here.x_m) * np.sin(here.heading_rad)
+            along, d, curvature = self._seen_from(s, x_m, y_m)
+            s = s + along / np.maximum(1.0 - curvature * d, LEAST_STRETCH)
+        return s, self._seen_from(s, x_m, y_m)[1]
+
+    def _seen_from(self, s_m: Floats, x_m: Floats, y_m: Floats) -> tuple[Floats, Floats, Floats]:
+        """Points (N,) in the world from the reference line at s (N,): m along and right of it; its curvature, 1/m."""
+        x, y, heading, curvature = self._tables_at(s_m, "x_m", "y_m", "heading_rad", "curvature_per_m")
+        dx, dy, cosine, sine = x_m - x, y_m - y, np.cos(heading), np.sin(heading)
+        return dx * cosine + dy * sine, dy * cosine - dx * sine, curvature
+
+    def _tables_at(self, s_m: Reals, *names: str) -> list[Floats]:
+        """Tables between their stations."""
+        return [np.interp(s_m, self.station_m, getattr(self, name)) for name in names]
