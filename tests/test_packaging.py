@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 import yaml
 from packaging.requirements import Requirement
+from packaging.version import Version
 
 import vpf_sim
 
@@ -118,9 +119,12 @@ def test_one_wheel_serves_all_versions_of_python(wheel: Path) -> None:
     assert compiled == [f"vpf_sim/envs/camera/core/_core.{'pyd' if os.name == 'nt' else 'abi3.so'}"]
 
 
-def test_the_citation_is_of_this_version_and_of_the_paper() -> None:
+def test_the_citation_is_of_the_last_release_and_of_the_paper() -> None:
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text("utf-8"))
-    assert citation["version"] == PROJECT["project"]["version"]
+    released = re.search(r"^## (\S+) - (\S+)$", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.M)
+    assert released is not None
+    assert (citation["version"], citation["date-released"]) == released.groups()
+    assert Version(citation["version"]) <= Version(PROJECT["project"]["version"])
     assert citation["license"] == PROJECT["project"]["license"]
     (paper,) = citation["references"]
     assert paper["url"] == PROJECT["project"]["urls"]["Paper"]

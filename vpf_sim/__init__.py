@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from vpf_sim.errors import InputError
     from vpf_sim.types import Camera
 
-__version__ = "0.2.0"
+__version__ = "0.3.0.dev0"
 __all__ = [
     "Camera",
     "CameraObservation",
