@@ -86,7 +86,7 @@ class Drive:
         reported = []
         for frame in frames:
             flow = self.flow(frame)
-            points = tracker.refined(flow, tracker.triangulate(flow), self.road, match)
+            points = tracker.refined(flow, tracker.triangulate(flow), self.road, match, self.speed_mps)
             reported.append(tracker.update(flow, self.road, self.speed_mps, frame / RATE_HZ, points))
         return reported
 

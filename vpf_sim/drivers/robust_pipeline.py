@@ -41,7 +41,7 @@ def robust_pipeline(
             if variant.crossing
             else []
         ),
-        stage("track_refinement", its.refine, "flow steady_flow points road", "points"),
+        stage("track_refinement", its.refine, "flow steady_flow points road observation", "points"),
         stage("static_obstacles", its.track_static, "steady_flow road observation points on_moving", "detected"),
         stage("all_obstacles", its.join_moving, "steady_flow observation detected", "obstacles"),
         *(
@@ -126,11 +126,15 @@ class ObstacleStages:
         outside = motions.chosen(~steady.on_glass)
         return outside, crossers, near if on_moving is None else near | on_moving
 
-    def refine(self, flow: Flow, steady: Flow, points: Triangulation, road: RoadEdges) -> Triangulation:
+    def refine(
+        self, flow: Flow, steady: Flow, points: Triangulation, road: RoadEdges, observation: Observation
+    ) -> Triangulation:
         """The points, those above the road matched again with the frame of their first observation."""
         if self._keyframes is None:
             return points
-        return self._static.refined(steady, points, road, partial(self._keyframes.register, flow))
+        return self._static.refined(
+            steady, points, road, partial(self._keyframes.register, flow), observation.speed_mps
+        )
 
     def track_static(
         self, steady: Flow, road: RoadEdges, observation: Observation, points: Triangulation, on_moving: Bools | None

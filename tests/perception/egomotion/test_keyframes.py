@@ -134,7 +134,7 @@ def test_depths_use_the_corrected_first_observations() -> None:
         return aside, flow.identity[rows] % 2 == 0
 
     chained = found.triangulate(flow)
-    matched = found.refined(flow, chained, drive.road, match)
+    matched = found.refined(flow, chained, drive.road, match, drive.speed_mps)
     even = body_rows & (flow.identity % 2 == 0) & np.isin(np.arange(len(flow)), requested[0])
     assert np.count_nonzero(even) > 8
     assert np.abs(matched.depth_m - depth_m)[even].mean() < 0.7 * np.abs(chained.depth_m - depth_m)[even].mean()

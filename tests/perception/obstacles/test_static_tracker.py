@@ -34,15 +34,34 @@ def test_a_car_is_detected_far_away_and_measured() -> None:
     assert names == {0}
 
 
-@pytest.mark.parametrize(("speed_mps", "stops_from_mps"), [(14.0, 14.0), (20.0, 15.5)])
+@pytest.mark.parametrize(("speed_mps", "stops_from_mps"), [(14.0, 14.0), (20.0, 17.0), (25.0, 17.5)])
 def test_a_fast_car_detects_farther_ahead(speed_mps: float, stops_from_mps: float) -> None:
-    """In time to stop from 14 m/s; from 20 m/s it must slow down earlier or swerve."""
+    """In time to stop from 14 m/s; a faster one must slow down earlier or swerve."""
     drive = Drive(np.concatenate([body(100.0, 0.3, 1.8, 1.4, 14), road_points(200)]), speed_mps=speed_mps)
     found = drive.run(tracker(), range(int(95.0 / speed_mps * RATE_HZ)))
     first = next(k for k, obstacles in enumerate(found) if len(obstacles))
     stop_m = 0.3 * stops_from_mps + stops_from_mps**2 / (2.0 * 6.0)
     assert 100.0 - BUMPER_M - drive.pose(first)[0] > stop_m
     assert found[first].forward_m[0] == pytest.approx(100.0 - drive.pose(first)[0], abs=1.0)
+
+
+def test_the_sides_of_a_van_are_one_obstacle_for_a_fast_car() -> None:
+    """Few points are found on it from far away."""
+    scene = np.array([[100.0, across, high] for across in (-0.6, 0.8) for high in (0.6, 1.1)])
+    drive, speed_mps = Drive(np.concatenate([scene, road_points(100)]), speed_mps=14.0), 14.0
+    seen = [one for one in drive.run(tracker(), range(int(94.0 / speed_mps * RATE_HZ))) if len(one)]
+    assert seen[0].forward_m[0] > 18.0
+    assert {len(one) for one in seen} == {1}
+    assert (seen[0].left_m[0], seen[0].right_m[0]) == pytest.approx((-0.6, 0.8), abs=0.2)
+
+
+def test_a_fast_car_sees_the_way_between_two_vehicles() -> None:
+    """It is 1.9 m wide; they stand 2.6 m apart."""
+    beside = [body(100.0, sign * 2.2, 1.8, 1.4, 14) for sign in (-1.0, 1.0)]
+    drive = Drive(np.concatenate([*beside, road_points(100)]), speed_mps=25.0)
+    seen = [one for one in drive.run(tracker(), range(int(85.0 / 25.0 * RATE_HZ))) if len(one)]
+    assert {len(one) for one in seen[2:]} == {2}
+    assert max(seen[-1].left_m) - min(seen[-1].right_m) == pytest.approx(2.6, abs=0.3)
 
 
 OWN = [path for path in optional_sections(static_obstacles()) if "." not in path]

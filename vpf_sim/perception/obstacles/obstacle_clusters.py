@@ -39,19 +39,21 @@ class ObstacleClusters:
         self._next += 1
         return self._next - 1
 
-    def obstacles(self, pose: Floats, road: RoadEdges, tracks: Obstacles, reach: float) -> tuple[Obstacles, Obstacles]:
+    def obstacles(
+        self, pose: Floats, road: RoadEdges, tracks: Obstacles, range_factor: float
+    ) -> tuple[Obstacles, Obstacles]:
         """Tall obstacles; then all, with those of low points and low `tracks`. In vehicle axes at `pose`.
 
-        `reach` is that of `StaticObstacleConfig.reach`.
+        `range_factor` is that of `StaticObstacleConfig`.
         """
         points, config = self._points, self._config
         low, alone, behind_m = config.low_obstacles, config.low_tracks, config.link_forward_m
         self.fragments = NONE
-        tall = self._of_points(points.confirmed & ~points.low, config, self._are_tall, pose, road, reach)
+        tall = self._of_points(points.confirmed & ~points.low, config, self._are_tall, pose, road, range_factor)
         tall = widen(tall, np.maximum(tall.width_m + 2.0 * config.beside_m, config.least_width_m))
         found = tall
         if low is not None:
-            flat = self._flat(tall, pose, road, low, reach)
+            flat = self._flat(tall, pose, road, low, range_factor)
             if low.parallax is not None:
                 nearest, both = match_tracks(flat, tracks, low.parallax.along_m, low.beside_m)
                 flat = widen_to_tracks(flat, tracks, nearest, both)
@@ -62,7 +64,9 @@ class ObstacleClusters:
             found = join(found, flat, low.beside_m, sticks_out_m, low.before_m, behind_m)
         return tall, join(found, tracks, alone.beside_m, alone.sticks_out_m, alone.before_m, behind_m)
 
-    def _flat(self, tall: Obstacles, pose: Floats, road: RoadEdges, low: LowObstacleConfig, reach: float) -> Obstacles:
+    def _flat(
+        self, tall: Obstacles, pose: Floats, road: RoadEdges, low: LowObstacleConfig, range_factor: float
+    ) -> Obstacles:
         """Obstacles of low points that belong to no tall one.
 
         A line may have become known after a point was observed: points of no obstacle yet must be off all lines.
@@ -77,7 +81,7 @@ class ObstacleClusters:
             chosen[chosen] = ~belongs_to(place[chosen], place[parts], points.obstacle[parts], tall, low.part)
         fresh = chosen & (points.obstacle < 0)
         chosen[fresh] = off_lines(self._camera, place[fresh], road, low)
-        return self._of_points(chosen, low, partial(self._are_low, low), pose, road, reach)
+        return self._of_points(chosen, low, partial(self._are_low, low), pose, road, range_factor)
 
     def _of_points(
         self,
@@ -86,15 +90,15 @@ class ObstacleClusters:
         are_obstacles: Callable[[Integers, Integers], Bools],
         pose: Floats,
         road: RoadEdges,
-        reach: float,
+        range_factor: float,
     ) -> Obstacles:
         """The obstacles that the chosen points (M,) form."""
         rows, config = np.flatnonzero(chosen), self._config
         if not len(rows):
             return none()
         place, sigma = vehicle_from_world(self._points.place_m[rows], pose), self._points.sigma_m[rows]
-        right_m, forward_m = reach * links.link_right_m, links.link_forward_m
-        near = partial(clusters, right_m=right_m, forward_m=forward_m, sigmas=config.sure_sigmas)
+        right_m = min(range_factor * links.link_right_m, config.link_most_m)
+        near = partial(clusters, right_m=right_m, forward_m=links.link_forward_m, sigmas=config.sure_sigmas)
         label = near(place, sigma)
         accepted = are_obstacles(rows, label)
         if not accepted.any():
@@ -113,7 +117,7 @@ class ObstacleClusters:
             accepted = are_obstacles(rows, label)
             angle = extent.direction_at(seen, label, len(apart), road)
             along = extent.rotate(seen, angle[label])
-        return self._measure(rows, label, accepted, along, angle, apart, reach * config.reported_m)
+        return self._measure(rows, label, accepted, along, angle, apart, range_factor * config.reported_m)
 
     def _are_tall(self, rows: Integers, label: Integers) -> Bools:
         """(K,) clusters of points well above the road that are surely obstacles."""

@@ -26,16 +26,16 @@ class PointDetector:
         self.coming: Integers = np.empty(0, np.int64)  # rows of the last frame's points of oncoming traffic
 
     def observe(
-        self, flow: Flow, points: Triangulation, road: RoadEdges, moving: Bools | None, reach: float
+        self, flow: Flow, points: Triangulation, road: RoadEdges, moving: Bools | None, range_factor: float
     ) -> PointObservations:
         """The points above the road that are not of obstacles that `moving` (N,) marks.
 
-        `reach` is that of `StaticObstacleConfig.reach`.
+        `range_factor` is that of `StaticObstacleConfig`.
         """
         if self._looming is not None:
             self._looming.record(flow)
         texture, _ = eigenvalues(flow.structure)
-        tall = self._are_tall(flow, points, road, reach * self._config.far_m)
+        tall = self._are_tall(flow, points, road, range_factor * self._config.far_m)
         low = self._are_low(flow, points, texture, road) & ~tall
         found = tall | low if moving is None else (tall | low) & ~moving
         rows = np.flatnonzero(found)

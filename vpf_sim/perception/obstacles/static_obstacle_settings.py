@@ -124,7 +124,7 @@ class RefinementConfig:
     """Which points are matched with the frame of their first observation."""
 
     near_m: float = setting("Nearest depth of a refined point.", ge=0.0)
-    far_m: float = setting("Farthest depth of a refined point.", ge=0.0)
+    far_m: float = setting("Farthest depth of a refined point; grows with speed, see `reported_s`.", ge=0.0)
     edge_m: float = setting("Largest distance of a refined point outside the carriageway.", ge=0.0)
     least_height_m: float = setting("Least height of a refined point.", ge=0.0)
     most_height_m: float = setting("Largest height of a refined point.", ge=0.0)
@@ -175,7 +175,7 @@ class StaticObstacleConfig:
     min_height_m: float = setting("Least height above the road.", ge=0.0)
     max_height_m: float = setting("Largest height above the road.", ge=0.0)
     near_m: float = setting("Nearest depth of a point.", ge=0.0)
-    far_m: float = setting("Farthest depth of a point.", ge=0.0)
+    far_m: float = setting("Farthest depth of a point; grows with speed, see `reported_s`.", ge=0.0)
     precise_m: float = setting("Farthest depth of low points, and of single ones.", ge=0.0)
     sure_sigmas: float = setting("Standard deviations of the depth between separate points.", ge=0.0)
     hits_s: float = setting("Time after which a point is confirmed.", ge=0.0)
@@ -189,13 +189,20 @@ class StaticObstacleConfig:
     corner_texture: float = setting("Texture of a clear corner (small eigenvalue, grey levels^2 / px^2).", ge=0.0)
     corner_ratio: float = setting("Least ratio of the eigenvalues of a clear corner; edges have 0.2.", ge=0.0)
     foot_m: float = setting("Distance from which the road is far, for points whose ray meets it there.", ge=0.0)
-    link_right_m: float = setting("Distance across below which points belong to one obstacle.", ge=0.0)
+    link_right_m: float = setting(
+        "Distance across below which points belong to one obstacle; grows with speed, see `reported_s`.", ge=0.0
+    )
+    link_most_m: float = setting(
+        "Most that `link_right_m` grows to, and that of low obstacles: no way leads through a narrower gap.", ge=0.0
+    )
     link_forward_m: float = setting("Distance along the road below which points belong to one obstacle.", ge=0.0)
     face_sigma_m: float = setting("Largest standard deviation of a reported obstacle's face.", ge=0.0)
-    reported_m: float = setting("Largest distance of a reported obstacle: depth errors grow with its square.", ge=0.0)
+    reported_m: float = setting(
+        "Largest distance of a reported obstacle, since depth errors grow with its square; grows with speed.", gt=0.0
+    )
     reported_s: float = setting(
         "Time ahead up to which obstacles are reported, where it reaches beyond `reported_m`: from a longer way depths "
-        "are known farther.",
+        "are known farther. `far_m`, that of `track_refinement` and both `link_right_m` grow alike.",
         ge=0.0,
     )
     beside_m: float = setting("Margin added to each reported side.", ge=0.0)
@@ -231,8 +238,8 @@ class StaticObstacleConfig:
     sharpest: SharpestConfig | None = setting("Takes the sides from the points observed from nearest.", default=None)
     face_correction: Switch | None = setting("Corrects faces for errors of depth.", default=None)
 
-    def reach(self, speed_mps: float) -> float:
-        """The factor of `far_m`, `reported_m` and `link_right_m` at a speed, at least 1.
+    def range_factor(self, speed_mps: float) -> float:
+        """The factor by which `reported_m` and what depends on it grow at a speed, at least 1.
 
         Far away few points are found, so those of one obstacle lie farther apart.
         """

@@ -8,7 +8,7 @@ import numpy as np
 from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.egomotion.triangulation import Triangulation, triangulate
 from vpf_sim.perception.obstacles.crossing import Crossers, nobody
-from vpf_sim.perception.obstacles.obstacle_clusters import NONE, ObstacleClusters
+from vpf_sim.perception.obstacles.obstacle_clusters import ObstacleClusters
 from vpf_sim.perception.obstacles.oncoming import oncoming_vehicles
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation, PlanarParallax
 from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks
@@ -46,11 +46,15 @@ class StaticObstacleTracker:
         """The points of the flow by their chained tracks, as if all of them stood."""
         return self._triangulate(flow, flow.age_frames / self.rate_hz)
 
-    def refined(self, flow: Flow, points: Triangulation, road: RoadEdges, match: Match) -> Triangulation:
+    def refined(
+        self, flow: Flow, points: Triangulation, road: RoadEdges, match: Match, speed_mps: float
+    ) -> Triangulation:
         """The same, those that may be above the road matched with the frame of their first observation."""
         config = self.config.track_refinement
-        rows = candidates(points, road, self.camera, config) if config else NONE
-        if config is None or not len(rows):
+        if config is None:
+            return points
+        rows = candidates(points, road, self.camera, config, self.config.range_factor(speed_mps))
+        if not len(rows):
             return points
         return refined(flow, points, rows, match, config, partial(self.matched, flow), self.camera)
 
@@ -79,12 +83,12 @@ class StaticObstacleTracker:
             points = self.triangulate(flow) if points is None else points
             if moving is not None and moving.any():
                 self.points.keep(~among(self.points.identity, flow.identity[moving]))
-            reach = self.config.reach(speed_mps)
-            seen = self._detector.observe(flow, points, road, moving, reach)
+            range_factor = self.config.range_factor(speed_mps)
+            seen = self._detector.observe(flow, points, road, moving, range_factor)
             self.points.record(seen, self.config, self._schedule.rate_hz, time_s)
             self._prune(flow)
             tracks = self.low_tracks.bodies(flow.pose)
-            self._tall, self._obstacles = self._clusters.obstacles(flow.pose, road, tracks, reach)
+            self._tall, self._obstacles = self._clusters.obstacles(flow.pose, road, tracks, range_factor)
             self._pose = flow.pose
         return to_current_frame(self._obstacles, self._pose, flow.pose, speed_mps)
 

@@ -20,10 +20,15 @@ Triangulate = Callable[[Integers, Floats], Triangulation]  # rows of a flow, fir
 Match = Callable[[Integers, Floats], tuple[Floats, Bools]]  # `KeyframeBuffer.register` of a flow
 
 
-def candidates(points: Triangulation, road: RoadEdges, camera: Camera, config: RefinementConfig) -> Integers:
-    """(n,) rows of points that may be above the road by their chained tracks."""
+def candidates(
+    points: Triangulation, road: RoadEdges, camera: Camera, config: RefinementConfig, range_factor: float
+) -> Integers:
+    """(n,) rows of points that may be above the road by their chained tracks.
+
+    `range_factor` is that of `StaticObstacleConfig`.
+    """
     with np.errstate(invalid="ignore"):
-        chosen = (points.depth_m > config.near_m) & (points.depth_m < config.far_m)
+        chosen = (points.depth_m > config.near_m) & (points.depth_m < range_factor * config.far_m)
         chosen &= (points.height_m > config.least_height_m) & (points.height_m < config.most_height_m)
         chosen &= (points.chi2 < config.chi2_limit) & (points.chi2_ground - points.chi2 > config.chi2_margin)
     rows = np.flatnonzero(chosen).astype(np.int64)
