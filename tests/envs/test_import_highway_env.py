@@ -3,35 +3,50 @@
 import subprocess
 import sys
 
-DRIVE = "import sys, vpf_sim; vpf_sim.drive; print(*sorted({'matplotlib', 'pandas'} & set(sys.modules)))"
+import pytest
+
+DRIVE = """
+import sys, vpf_sim
+assert vpf_sim.drive("straight", driver="pid").status == "success"
+print(*sorted({"matplotlib", "pandas"} & set(sys.modules)))
+"""
 TABLE = """
-import vpf_sim.envs
-import gymnasium, pandas
+import sys, vpf_sim.envs
+assert "pandas" not in sys.modules
+import gymnasium
 table, _ = gymnasium.make("highway-v0").reset(seed=0)  # made by pandas
-print(table.shape, isinstance(pandas.DataFrame(table), pandas.DataFrame))
+print(table.shape, hasattr(sys.modules["pandas"], "DataFrame"))
 """
 PLOTS = """
-import matplotlib
-matplotlib.use("agg")
 import vpf_sim.envs
 from highway_env.vehicle import dynamics
+plot = dynamics.plt.subplots
 import matplotlib.pyplot
-print(dynamics.plt.subplots is matplotlib.pyplot.subplots)
+print(plot is matplotlib.pyplot.subplots)
+"""
+USED_AT_ONCE = """
+import sys
+from types import ModuleType
+class Finder:
+    def find_spec(self, name, path=None, target=None):
+        if name == "highway_env.vehicle.dynamics":
+            import pandas
+            print(pandas.DataFrame.__name__)
+sys.meta_path.insert(0, Finder())
+import vpf_sim.envs, pandas
+print(type(pandas) is ModuleType and "matplotlib" not in sys.modules)
 """
 
 
-def printed_by(code: str) -> str:
+@pytest.mark.parametrize(
+    ("code", "printed"),
+    [
+        pytest.param(DRIVE, [], id="a drive imports neither"),
+        pytest.param(TABLE, ["(5,", "5)", "True"], id="a table of highway-env"),
+        pytest.param(PLOTS, ["True"], id="a plot of highway-env"),
+        pytest.param(USED_AT_ONCE, ["DataFrame", "True"], id="used while highway-env is imported"),
+    ],
+)
+def test_they_are_imported_where_they_are_used(code: str, printed: list[str]) -> None:
     run = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, timeout=120)
-    return run.stdout.strip()
-
-
-def test_a_drive_begins_without_pandas_and_matplotlib() -> None:
-    assert printed_by(DRIVE) == ""
-
-
-def test_highway_env_still_makes_its_tables() -> None:
-    assert printed_by(TABLE) == "(5, 5) True"
-
-
-def test_highway_env_still_plots() -> None:
-    assert printed_by(PLOTS) == "True"
+    assert run.stdout.split() == printed
