@@ -43,7 +43,7 @@ def size_of(driver: str) -> Size:
     functions = {Path(path): lines for path, lines in found["functions"].items()}
     lines = sum(code_lines(path, first) for path, first in functions.items())
     settings = found["settings"] + sum(constants(path) for path in functions)
-    return Size(len(functions), lines, settings, found["bytes"] // 4)
+    return Size(len(functions), lines, settings, found["weights"])
 
 
 def measure(name: str) -> dict[str, Any]:
@@ -72,7 +72,14 @@ def measure(name: str) -> dict[str, Any]:
     settings = sum(numbers(item) for item in gc.get_objects() if is_configuration(item))
     model = getattr(driver, "model_path", None)
     functions = {path: sorted(lines) for path, lines in ran.items() if path in ours}
-    return {"functions": functions, "settings": settings, "bytes": Path(model).stat().st_size if model else 0}
+    return {"functions": functions, "settings": settings, "weights": weights_of(model) if model else 0}
+
+
+def weights_of(model: Path) -> int:
+    """The numbers that a network has learned."""
+    import onnx
+
+    return sum(int(np.prod(tensor.dims)) for tensor in onnx.load(model).graph.initializer)
 
 
 def is_configuration(item: object) -> bool:

@@ -169,7 +169,7 @@ def page(found: Sequence[Entry], plan: Plan, sizes: bool = True) -> str:
     parts += ["\n## Abilities\nDrives that arrive, in all weathers.\n", *_abilities(ranked).markdown()]
     parts += ["\n## Weather\nThe change is that on the same scenarios and seeds, in percentage points.\n"]
     parts += [*_weathers(ranked, plan.weather).markdown()]
-    parts += ["\n## Cost\nLines, settings and weights as [comparison.md](comparison.md) counts them."]
+    parts += ["\n## Cost\nLines, settings and weights of the present sources (`python scripts/complexity.py`)."]
     parts += ["The time was measured on the run's machine, which may have been busy; it is not verified.\n"]
     return "\n".join([*parts, *_costs(ranked, sizes).markdown()]) + "\n" + HOW_TO_ENTER
 

@@ -40,8 +40,9 @@ BARS = "▁▂▃▄▅▆▇█"
 MOST_BARS = 24
 HEAD = """# Zoo
 
-**Which drivers are there, what are they made of, and how do I make or drive one?** What each costs and scores beside
-the others is on the pages [Leaderboard](leaderboard.md) and [Which driver?](comparison.md). Intervals are of 95 %.
+**What are the main drivers made of, and how do I make or drive one?** [reference.md](reference.md#driver) lists
+all. What each costs and scores is on the pages [Leaderboard](leaderboard.md) and [Which driver?](comparison.md).
+Intervals are of 95 %.
 
 `python scripts/zoo.py RUN... --out docs/zoo.md --pictures docs/pictures/zoo` writes this page from run folders and from
 the manifests of the networks.

@@ -70,7 +70,7 @@ _REGISTRY: dict[str, _Entry] = {
         "a scene of road and tracks by camera, planned in space and time, sliding mode (variant robust)",
     ),
     "vpf-paper": _Entry(
-        lambda: VisionDriver("paper"), "none", "the paper's method with the fewest repairs that make it run"
+        lambda: VisionDriver("paper"), "none", "the paper's law, repaired, with the settings that reproduce its table"
     ),
     "vpf-literal": _Entry(
         lambda: VisionDriver("literal"), "none", "the paper's method as printed: a documented negative"
@@ -95,7 +95,7 @@ _REGISTRY: dict[str, _Entry] = {
         "ground by the flow's dominant plane, visual potential, goal direction; blind to road edges",
     ),
     "learned-bc": _Entry(
-        lambda: _learned(LEARNED["learned-bc"]), "none", "a small network that was cloned from drivers with privilege"
+        lambda: _learned(LEARNED["learned-bc"]), "none", "a small network that was cloned from expert"
     ),
     "learned-ppo": _Entry(
         lambda: _learned(LEARNED["learned-ppo"]),
