@@ -16,17 +16,14 @@ sqrt(k v / (4 c_r L)). `layer_narrows_below_mps` keeps it constant at low speed.
 
 Reaching condition: d s_r / dt = (v / L) u + phi with phi = c_r d psi_e / dt - d^2 psi_d / dt^2, so the manifold is
 reached only while the authority u_0 v / L exceeds |phi|. At standstill the steering has no authority and is held. On a
-road with the curvature rate k' phi is k' v^2, which grows faster with speed than the authority. With `slows_to_reach`
-the car slows down to v authority / |phi|, at which the condition holds.
+road with the curvature rate k' phi is k' v^2, which grows faster with speed than the authority.
 """
 
-from collections import deque
 from dataclasses import dataclass, replace
-from math import atan, copysign, exp, inf, pi, sin, tan
+from math import atan, copysign, exp, pi, sin, tan
 from typing import Literal
 
 from vpf_sim import configuration
-from vpf_sim.braking import hard_excess
 from vpf_sim.configuration import setting, settings
 from vpf_sim.controllers.super_twisting import SuperTwisting
 from vpf_sim.driver_interface import Command, Observation
@@ -34,29 +31,7 @@ from vpf_sim.errors import unknown_name
 from vpf_sim.geometry import wrap_angle
 from vpf_sim.types import Reference, VehicleModel
 
-
-class ChangeLimit:
-    """The recent acceleration commands."""
-
-    def __init__(self, limit_mps2: float, window_s: float, dt_s: float) -> None:
-        self._limit_mps2 = limit_mps2
-        self._last: deque[float] = deque(maxlen=max(1, round(window_s / dt_s)))
-
-    def reset(self) -> None:
-        """Forget the recent commands, for emergency braking."""
-        self._last.clear()
-
-    def limit(self, demand_mps2: float) -> float:
-        """m/s2, the demand clipped to the limit; call once per step."""
-        if self._last:
-            demand_mps2 = min(max(demand_mps2, max(self._last) - self._limit_mps2), min(self._last) + self._limit_mps2)
-        self._last.append(demand_mps2)
-        return demand_mps2
-
-
 STANDSTILL_MPS = 0.1
-SLOWEST_MPS = 2.0  # lowest speed for the reaching condition: less speed means less authority
-RECOVERY_MPS2 = 1.5  # rise of the speed limit once the condition holds again
 DEMAND_FILTER_HZ = 2.0
 MIN_LAYER_SHARE = 0.15  # least share of the boundary layer: a narrower one amplifies sensor noise
 MAX_RAD, MAX_RADPS, MAX_MPS, MAX_MPS2 = 1e6, 1e3, 1e3, 1e3  # input limits, so that filters and derivatives stay finite
@@ -81,35 +56,16 @@ class Gains:
         default=0.0,
         ge=0.0,
     )
-    speed_filter_hz: float = setting(
-        "Frequency below which the sensor gives the speed, above it the pedals; 0 takes the sensor alone.",
-        default=0.0,
-        ge=0.0,
-    )
     lateral_law: Literal["first_order", "super_twisting"] = setting(
         "Control law of the steering.", default="first_order"
     )
     disturbance_radps3: float = setting(
         "Largest rate D of the disturbance that the super-twisting law rejects.", default=0.0
     )
-    slows_to_reach: bool = setting(
-        "Whether the car slows down where the reaching condition does not hold.", default=False
-    )
     layer_narrows_below_mps: float = setting(
         "Speed below which the layer of s_r narrows with the steering authority, against oscillation.",
         default=0.0,
         ge=0.0,
-    )
-    hard_braking_error_mps: float = setting(
-        "Speed error from which the brake exceeds a_0, to its full 1 m/s later; 0 never exceeds it.",
-        default=0.0,
-        ge=0.0,
-    )
-    change_limit_mps2: float = setting(
-        "Largest change of the acceleration within `change_window_s`; 0 sets no limit.", default=0.0, ge=0.0
-    )
-    change_window_s: float = setting(
-        "Time in which the acceleration may change by `change_limit_mps2`.", default=0.0, ge=0.0
     )
     feedforward: bool = setting("Whether the bends of the reference are added to the steering rate.", default=False)
 
@@ -118,9 +74,6 @@ class Gains:
             raise ValueError(
                 f"disturbance_radps3: expected > 0 with super_twisting alone, got {self.disturbance_radps3}"
             )
-        if (self.change_limit_mps2 > 0.0) != (self.change_window_s > 0.0):
-            got = f"{self.change_limit_mps2}, {self.change_window_s}"
-            raise ValueError(f"change_limit_mps2, change_window_s: expected both > 0 or both 0, got {got}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,30 +122,19 @@ class Gtsmc:
         self._demand_radps2, self._curvature_demand_radps2 = 0.0, 0.0
         self.yaw_rate_radps, self._model_radps = 0.0, 0.0
         self.reaching = Reaching(0.0, 0.0)
-        self.speed_mps: float | None = None
-        self._acceleration_mps2 = 0.0  # last command
-        self._reachable_mps = inf  # limit of v_d by the reaching condition
-        limits_change = self._gains.change_limit_mps2 > 0.0
-        self._change_limit = (
-            ChangeLimit(self._gains.change_limit_mps2, self._gains.change_window_s, self._dt_s)
-            if limits_change
-            else None
-        )
         is_second_order = self._gains.lateral_law == "super_twisting"
         self._twisting = SuperTwisting(self._gains.disturbance_radps3, self._dt_s) if is_second_order else None
 
     def command(self, observation: Observation, reference: Reference) -> Command:
         """The command for one step of 1 / rate_hz."""
         reference = _bounded(reference)
-        speed_mps = self._filtered_speed(observation.speed_mps)
         measured_radps = min(max(observation.yaw_rate_radps, -MAX_RADPS), MAX_RADPS)
-        yaw_rate = self._yaw_rate(measured_radps, speed_mps)
-        observation = replace(observation, speed_mps=speed_mps, yaw_rate_radps=yaw_rate)
-        steering = self._steer(observation, reference)
-        target_mps = self._speed(speed_mps, reference.speed_mps)
-        self._acceleration_mps2 = self._accelerate(speed_mps, target_mps, reference.acceleration_mps2)
-        throttle = self._acceleration_mps2 / self._vehicle.full_mps2(self._acceleration_mps2)
-        return Command(throttle, steering / self._vehicle.steering_limit_rad)
+        yaw_rate = self._yaw_rate(measured_radps, observation.speed_mps)
+        steering = self._steer(replace(observation, yaw_rate_radps=yaw_rate), reference)
+        acceleration = self._accelerate(observation.speed_mps, reference)
+        return Command(
+            acceleration / self._vehicle.full_mps2(acceleration), steering / self._vehicle.steering_limit_rad
+        )
 
     def manifold(self, observation: Observation, reference: Reference, heading_rate_radps: float) -> float:
         """The sliding variable s_r, rad/s."""
@@ -268,28 +210,6 @@ class Gtsmc:
         self.yaw_rate_radps, self._model_radps = predicted + share * (measured_radps - predicted), model
         return self.yaw_rate_radps
 
-    def _filtered_speed(self, measured_mps: float) -> float:
-        """v, m/s: complementary filter of the measurement and the commanded acceleration.
-
-        On a slippery road it lags by 1 / (2 pi f) times the missing acceleration.
-        """
-        if self._gains.speed_filter_hz == 0.0 or self.speed_mps is None:
-            self.speed_mps = measured_mps
-            return measured_mps
-        predicted = max(self.speed_mps + self._acceleration_mps2 * self._dt_s, 0.0)
-        self.speed_mps = predicted + self._share(self._gains.speed_filter_hz) * (measured_mps - predicted)
-        return self.speed_mps
-
-    def _speed(self, speed_mps: float, reference_mps: float) -> float:
-        """v_d, limited by the reaching condition: the limit falls at once and rises slowly."""
-        if not self._gains.slows_to_reach:
-            return reference_mps
-        self._reachable_mps = max(self._reachable_mps + RECOVERY_MPS2 * self._dt_s, speed_mps)
-        if not self.reaching.holds:
-            slower = speed_mps * self.reaching.authority_radps2 / self.reaching.demand_radps2
-            self._reachable_mps = min(self._reachable_mps, max(slower, SLOWEST_MPS))
-        return min(reference_mps, self._reachable_mps)
-
     def _share(self, cutoff_hz: float) -> float:
         """Weight of a new value in a first-order low-pass; 1 without one."""
         return 1.0 - exp(-2.0 * pi * cutoff_hz * self._dt_s) if cutoff_hz > 0.0 else 1.0
@@ -303,24 +223,11 @@ class Gtsmc:
         self._heading_rate_radps += self._share(self._gains.reference_filter_hz) * (raw - self._heading_rate_radps)
         return self._heading_rate_radps
 
-    def _hard_braking_share(self, s_l: float, speed_mps: float) -> float:
-        """Share of full braking, 0 to 1, for a large excess speed, as for an obstacle detected late."""
-        if self._gains.hard_braking_error_mps == 0.0:
-            return 0.0
-        return min(max(s_l - hard_excess(speed_mps, self._gains.hard_braking_error_mps), 0.0), 1.0)
-
-    def _accelerate(self, speed_mps: float, reference_mps: float, planned_mps2: float) -> float:
+    def _accelerate(self, speed_mps: float, reference: Reference) -> float:
         """The acceleration, m/s^2, within the vehicle's limits."""
-        s_l = self._gains.c_l * speed_mps - reference_mps
-        demand = relay(-s_l, self._gains.speed_boundary_layer_mps)
+        demand = relay(reference.speed_mps - self._gains.c_l * speed_mps, self._gains.speed_boundary_layer_mps)
         acceleration = demand * (self._gains.a0_mps2 if demand > 0.0 else self._gains.brake_a0_mps2)
-        acceleration += planned_mps2
-        hard_share = self._hard_braking_share(s_l, speed_mps)
-        if self._change_limit is not None:
-            if hard_share > 0.0:
-                self._change_limit.reset()
-            acceleration = self._change_limit.limit(acceleration)
-        acceleration -= hard_share * (acceleration + self._vehicle.full_brake_mps2)
+        acceleration += reference.acceleration_mps2
         return min(max(acceleration, -self._vehicle.full_brake_mps2), self._vehicle.full_throttle_mps2)
 
 

@@ -88,7 +88,7 @@ def page() -> str:
     parts = [HEAD, VARIANT, *tables(variant.Variant, "", loaded)]
     parts += [
         GAINS,
-        *tables(gtsmc.Gains, "[gtsmc]", {f"`{name}`": gtsmc.load_gains(name) for name in ("robust", "paper")}),
+        *tables(gtsmc.Gains, "[gtsmc]", {f"`{name}`": gtsmc.load_gains(name) for name in ("motion", "paper")}),
     ]
     for name, module in {"pid": pid, "pure_pursuit": pure_pursuit, "stanley": stanley, "idm": idm}.items():
         parts += tables(module.Gains, f"[{name}]", {"value": module.load_gains()})

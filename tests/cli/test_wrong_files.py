@@ -134,7 +134,7 @@ SETTINGS = [
     ('odometry = "paper"', "odometry: expected a variant with [odometry], got 'paper'"),
     ('flow = "other.toml"', "flow: expected the name of a variant, got 'other.toml'"),
     ("flow = 3", "flow: expected a table, got 3"),
-    ('gains = "robus"', "gains: unknown gains 'robus': did you mean 'robust'?"),
+    ('gains = "motio"', "gains: unknown gains 'motio': did you mean 'motion'?"),
     ('static_obstacles = "none"', "[scene] needs [static_obstacles]"),
 ]
 DRIVES = [

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from bicycle import Bicycle
 
-from vpf_sim.controllers.gtsmc import RECOVERY_MPS2, Gains, Gtsmc, load_gains
+from vpf_sim.controllers.gtsmc import Gains, Gtsmc, load_gains
 from vpf_sim.driver_interface import Command
 from vpf_sim.types import Reference, VehicleModel
 
 CAR = VehicleModel()
-ROBUST = load_gains("robust")
+MOTION = load_gains("motion")
 LARGEST_PER_M, PERIOD_M = 0.05, 10.0  # of a curvature K sin(2 pi s / period)
 CHANGE_PER_M2 = 2.0 * pi * LARGEST_PER_M / PERIOD_M  # k'
-HOLDS_UP_TO_MPS = ROBUST.u0_radps / CAR.wheelbase_m / CHANGE_PER_M2  # u_0 v / L = k' v^2
+HOLDS_UP_TO_MPS = MOTION.u0_radps / CAR.wheelbase_m / CHANGE_PER_M2  # u_0 v / L = k' v^2
 
 
 def wave(gains: Gains, speed_mps: float, time_s: float = 12.0) -> tuple[list[float], list[float], list[bool]]:
@@ -36,74 +36,28 @@ def wave(gains: Gains, speed_mps: float, time_s: float = 12.0) -> tuple[list[flo
 
 def test_authority_and_demand_match_the_closed_form() -> None:
     """A curvature that grows at k' a metre: phi = -k' v^2, after the low-pass."""
-    control, change = Gtsmc(replace(ROBUST, yaw_rate_filter_hz=0.0), CAR, 60.0), 0.01
+    control, change = Gtsmc(MOTION, CAR, 60.0), 0.01
     for step in range(120):
         rate = change * 5.55**2 * step / 60.0
         car = Bicycle(yaw_rad=0.0)
         car.yaw_rate_radps = rate
         control.command(car.observe(), Reference(0.0, 5.55, rate))
-    assert control.reaching.authority_radps2 == pytest.approx(0.65 * 5.55 / 2.7)
+    assert control.reaching.authority_radps2 == pytest.approx(1.0 * 5.55 / 2.7)
     assert control.reaching.demand_radps2 == pytest.approx(change * 5.55**2, rel=0.01)
     assert control.reaching.holds
 
 
 def test_speed_is_kept_while_the_reaching_condition_holds() -> None:
-    assert 7.65 < HOLDS_UP_TO_MPS < 7.67
-    speeds, off, held = wave(ROBUST, 0.75 * HOLDS_UP_TO_MPS)
+    speeds, off, held = wave(MOTION, 0.75 * HOLDS_UP_TO_MPS)
     assert np.mean(held) > 0.98
     assert min(speeds) > 0.97 * 0.75 * HOLDS_UP_TO_MPS
-    assert max(off) < 1.5 * ROBUST.boundary_layer_radps
+    assert max(off) < 1.5 * MOTION.boundary_layer_radps
 
 
-def test_failing_reaching_condition_slows_the_car() -> None:
-    fast = 1.6 * HOLDS_UP_TO_MPS
-    speeds, off, held = wave(ROBUST, fast)
-    careless, far_off, _ = wave(replace(ROBUST, slows_to_reach=False), fast)
-    assert min(careless) > 0.98 * fast
-    assert max(far_off) > 3.0 * ROBUST.boundary_layer_radps
-    assert max(speeds) < 1.25 * HOLDS_UP_TO_MPS
-    assert np.mean(held) > 0.6
-    assert max(off) < 0.6 * max(far_off)
-
-
-def test_reaching_condition_does_not_slow_below_the_least_speed() -> None:
-    """The authority falls with speed, so a constant demand would stop the car."""
-    car, control = Bicycle(speed_mps=0.5), Gtsmc(ROBUST, CAR, 60.0)
-    for step in range(300):
-        noise = 0.5 * sin(2.0 * pi * step / 60.0)
-        car.step(control.command(car.observe(), Reference(0.0, 5.55, noise)))
-    assert car.speed_mps > 1.9
-
-
-def test_speed_rises_slowly_once_the_reaching_condition_holds() -> None:
-    """A reference that oscillates faster than the steering allows for a second, then goes straight."""
-    car, control = Bicycle(speed_mps=3.0), Gtsmc(ROBUST, CAR, 60.0)
-    held, throttle = [], []
-    for step in range(240):
-        winds = step < 60
-        rate = 0.6 * sin(2.0 * pi * step / 30.0) if winds else 0.0
-        command = control.command(car.observe(), Reference(0.0, 5.55, rate))
-        car.step(command)
-        held.append(control.reaching.holds)
-        throttle.append(command.throttle * CAR.full_throttle_mps2)
-    assert not all(held[:60])
-    assert all(held[120:])
-    assert max(throttle[60:]) < 1.05 * RECOVERY_MPS2 < ROBUST.a0_mps2
-    assert max(np.diff(throttle[60:])) < 0.1
-    assert car.speed_mps > 5.0
-
-
-def test_reset_clears_the_reaching_speed_limit() -> None:
-    """The last episode's speed limit does not carry over."""
-    control, fresh, car = Gtsmc(ROBUST, CAR, 60.0), Gtsmc(ROBUST, CAR, 60.0), Bicycle(speed_mps=3.0)
-    for step in range(60):
-        control.command(car.observe(), Reference(0.0, 5.55, 0.6 * sin(2.0 * pi * step / 30.0)))
-    assert not control.reaching.holds
-    control.reset()
-    for _ in range(3):
-        assert control.command(car.observe(), Reference(0.0, 5.55, 0.0)) == fresh.command(
-            car.observe(), Reference(0.0, 5.55, 0.0)
-        )
+def test_a_fast_car_is_told_that_the_condition_fails() -> None:
+    _, off, held = wave(MOTION, 1.6 * HOLDS_UP_TO_MPS)
+    assert np.mean(held) < 0.9
+    assert max(off) > 2.0 * MOTION.boundary_layer_radps
 
 
 def bend_error_deg(gains: Gains, speed_mps: float) -> float:
@@ -125,9 +79,9 @@ def bend_error_deg(gains: Gains, speed_mps: float) -> float:
 @pytest.mark.parametrize("speed_mps", [2.0, 3.5, 5.0])
 def test_feedforward_follows_a_changing_curvature(speed_mps: float) -> None:
     """With feedforward no error in the layer is needed to turn the steering."""
-    assert ROBUST.feedforward
-    assert bend_error_deg(ROBUST, speed_mps) < 0.8
-    assert bend_error_deg(replace(ROBUST, feedforward=False), speed_mps) > 1.5
+    assert MOTION.feedforward
+    assert bend_error_deg(MOTION, speed_mps) < 0.8
+    assert bend_error_deg(replace(MOTION, feedforward=False), speed_mps) > 1.2
 
 
 @pytest.mark.parametrize(("speed_mps", "acceleration_mps2"), [(2.0, 1.5), (5.0, -2.5)])
@@ -145,4 +99,4 @@ def test_speed_changes_in_a_bend_need_no_feedforward(speed_mps: float, accelerat
             car.step(Command(0.0, steering))
         return worst
 
-    assert worst_deg(ROBUST) < worst_deg(replace(ROBUST, feedforward=False)) + 0.05
+    assert worst_deg(MOTION) < worst_deg(replace(MOTION, feedforward=False)) + 0.05

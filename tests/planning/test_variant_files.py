@@ -14,7 +14,7 @@ CHANGES = [
     {"gains", "controller"},
     {"odometry"},
     {"camera_pitch"},
-    {"gains", "static_obstacles", "visibility", "scene", "paper_planner", "obstacle_map"},
+    {"static_obstacles", "visibility", "scene", "paper_planner", "obstacle_map"},
     {"moving_obstacles", "crossing"},
 ]
 

@@ -62,7 +62,7 @@ def observed(yaw_rad: float, speed_mps: float) -> Observation:
 def test_model_vehicle_steers_the_requested_bend(rate_hz: float, speed_mps: float) -> None:
     """Camera rates at which the controller alone would oscillate."""
     radius = 80.0
-    model, rate = ModelVehicle(load_gains("robust"), VEHICLE, rate_hz), speed_mps / radius
+    model, rate = ModelVehicle(load_gains("motion"), VEHICLE, rate_hz), speed_mps / radius
     model.restart(speed_mps)
     said = []
     for k in range(round(4.0 * rate_hz)):
@@ -78,7 +78,7 @@ def test_model_vehicle_steers_the_requested_bend(rate_hz: float, speed_mps: floa
 
 
 def test_model_vehicle_has_its_own_speed() -> None:
-    model = ModelVehicle(load_gains("robust"), VEHICLE, 10.0)
+    model = ModelVehicle(load_gains("motion"), VEHICLE, 10.0)
     model.restart(10.0)
     still = Interval(np.zeros(3), np.zeros(3), 0.1)  # the recorded car at standstill
     for _ in range(30):
@@ -89,7 +89,7 @@ def test_model_vehicle_has_its_own_speed() -> None:
 
 def test_wheels_are_held_while_the_recorded_car_stands() -> None:
     """The throttle command has no effect on the recording."""
-    model = ModelVehicle(load_gains("robust"), VEHICLE, 20.0)
+    model = ModelVehicle(load_gains("motion"), VEHICLE, 20.0)
     model.restart(0.0)
     still = Interval(np.zeros(3), np.zeros(3), 0.05)
     said = [model.drive(Reference(0.2, 5.5, 0.0), observed(0.0, 0.0), still) for _ in range(40)]
@@ -97,7 +97,7 @@ def test_wheels_are_held_while_the_recorded_car_stands() -> None:
 
 
 def test_model_vehicle_restarts_at_the_recorded_speed() -> None:
-    model = ModelVehicle(load_gains("robust"), VEHICLE, 20.0)
+    model = ModelVehicle(load_gains("motion"), VEHICLE, 20.0)
     for speed_mps in (2.0, 12.0):
         model.restart(speed_mps)
         ahead = Interval(np.zeros(3), np.array([speed_mps / 20.0, 0.0, 0.0]), 0.05)

@@ -7,7 +7,7 @@ lateral motion follows its steering over the recorded distance, its speed is its
 last pose of the segment, and the speed to keep is the recorded one at its start.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from math import atan, ceil, cos, sin, tan
 
@@ -46,7 +46,6 @@ class ModelVehicle:
     def __init__(self, gains: Gains, vehicle: VehicleModel, rate_hz: float) -> None:
         self._vehicle = vehicle
         self._rate_hz = rate_hz * ceil(LEAST_RATE_HZ / rate_hz)
-        gains = replace(gains, speed_filter_hz=0.0)  # both speeds are exact, and its throttle affects only one
         self._lateral = Gtsmc(gains, vehicle, self._rate_hz)
         self._longitudinal = Gtsmc(gains, vehicle, self._rate_hz)
         self.restart(0.0)
