@@ -11,7 +11,7 @@ from vpf_sim.planning.variant import Variant
 
 STEPS = make_plan(read_plan("ablation"), "ablation").driver
 CHANGES = [
-    {"gains", "controller"},
+    {"gains"},
     {"odometry"},
     {"camera_pitch"},
     {"static_obstacles", "visibility", "scene", "paper_planner", "obstacle_map"},

@@ -96,17 +96,10 @@ class FrameSelection:
 class Perceiver:
     """What one variant perceives during one episode."""
 
-    def __init__(
-        self,
-        setup: DriverSetup,
-        variant: Variant,
-        trackers: FrameTrackers | None = None,
-        gate: FrameGate | None = None,
-    ) -> None:
+    def __init__(self, setup: DriverSetup, variant: Variant, trackers: FrameTrackers | None = None) -> None:
         schedule = Schedule(variant.flow.period_s, setup.rate_hz, at_least_as_often=True)
-        self.frame_rate_hz = schedule.rate_hz  # of the frames that are processed
         self._config, self._period_s = variant.frames, 1.0 / schedule.rate_hz
-        self._selection = FrameSelection(variant.frames, schedule, gate or FrameGate(variant.frame_gate))
+        self._selection = FrameSelection(variant.frames, schedule, FrameGate(variant.frame_gate))
         self._trackers = trackers or FrameTrackers.create(setup, variant, schedule.rate_hz)
         self.pipeline = (
             robust_pipeline(setup, variant, self._trackers, variant.static_obstacles)

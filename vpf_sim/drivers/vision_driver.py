@@ -1,16 +1,11 @@
 """The driver under test: perception, planner and sliding mode controller of a variant."""
 
-from dataclasses import asdict, replace
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
 from vpf_sim.driver_interface import Command, Driver, DriverSetup, Observation, Privilege
 from vpf_sim.errors import InputError
 from vpf_sim.timing import call
 from vpf_sim.types import Perception, Plan
-
-if TYPE_CHECKING:
-    from vpf_sim.controllers.gtsmc import Gains
-    from vpf_sim.planning.variant import Variant
 
 
 class VisionDriver(Driver):
@@ -22,13 +17,11 @@ class VisionDriver(Driver):
         from vpf_sim.controllers.gtsmc import load_gains
         from vpf_sim.planning import variant as variants
 
-        self._variant = variants.load(variant)
+        self.variant = variants.load(variant)
         try:
-            gains, own = load_gains(self._variant.gains), self._variant.controller
+            self.gains = load_gains(self.variant.gains)
         except InputError as error:
             raise InputError(f"{variant}: gains: {error}") from None
-        changed = {} if own is None else {key: value for key, value in asdict(own).items() if value is not None}
-        self._gains = replace(gains, **changed)
         self._plan: Plan | None = None
 
     def reset(self, setup: DriverSetup) -> None:
@@ -36,10 +29,10 @@ class VisionDriver(Driver):
         from vpf_sim.drivers.perceiver import OwnMotion, Perceiver
         from vpf_sim.planning.planner import create_planner
 
-        self._perceiver = Perceiver(setup, self._variant)
-        self._planner = create_planner(setup, self._variant)
-        self._controller = Gtsmc(self._gains, setup.vehicle, setup.rate_hz)
-        self._own_motion = OwnMotion(setup, self._variant)
+        self._perceiver = Perceiver(setup, self.variant)
+        self._planner = create_planner(setup, self.variant)
+        self._controller = Gtsmc(self.gains, setup.vehicle, setup.rate_hz)
+        self._own_motion = OwnMotion(setup, self.variant)
         self._plan = None
 
     def act(self, observation: Observation) -> Command:
@@ -70,13 +63,3 @@ class VisionDriver(Driver):
     def trace(self) -> Plan | None:
         """The plan of the last step, for overlays and scores."""
         return self._plan
-
-    @property
-    def variant(self) -> "Variant":
-        """The configuration of its planner."""
-        return self._variant
-
-    @property
-    def gains(self) -> "Gains":
-        """Those of its controller."""
-        return self._gains

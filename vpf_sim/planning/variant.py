@@ -29,17 +29,6 @@ BASE = "robust"
 
 
 @settings
-class ControllerConfig:
-    """Gains in place of those of the set; none: as there."""
-
-    c_r_per_s: float | None = setting("Slope c_r of the rotational sliding manifold.", default=None, gt=0.0)
-    u0_radps: float | None = setting("Rate u_0 of the steering actuator.", default=None, gt=0.0)
-    reference_filter_hz: float | None = setting(
-        "Cut-off of the low-pass filter of the differentiated heading reference.", default=None, ge=0.0
-    )
-
-
-@settings
 class FrameConfig:
     """What is done about frames that are late or missing."""
 
@@ -72,7 +61,6 @@ class Variant:
     scene: SceneConfig | None = setting(
         "Tracks of all that is on the road, in which the scene planner plans.", default=None
     )
-    controller: ControllerConfig | None = setting("Changes of the gains.", default=None)
     paper_planner: PaperPlannerConfig | None = setting("The paper's potential fields.", default=None)
     visibility: VisibilityConfig | None = setting("Speed where little is seen.", default=None)
 

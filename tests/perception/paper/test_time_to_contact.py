@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from driver_settings import ROBUST
 
+from vpf_sim.perception.egomotion.focus_of_expansion import derotate
 from vpf_sim.perception.egomotion.ground_plane import past_image
 from vpf_sim.perception.paper.time_to_contact import as_printed, of_clusters, time_to_contact
 from vpf_sim.seeding import stream
@@ -80,7 +81,7 @@ def test_a_cluster_s_expansion_needs_no_focus_and_averages_the_noise() -> None:
     flow = flow_of(patch(12.0), noise_px=0.1)
     labels = np.zeros(len(flow), np.int64)
     config = CONTACT
-    together = of_clusters(flow, CAMERA, labels, config)[0]
+    together = of_clusters(flow, derotate(flow, CAMERA), labels, config)[0]
     assert together == pytest.approx(12.0 / SPEED_MPS, rel=0.1)
     single = time_to_contact(flow, expansion(), CAMERA, config)
     spread = np.median(np.abs(single - 12.0 / SPEED_MPS))

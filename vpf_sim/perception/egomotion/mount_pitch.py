@@ -5,8 +5,6 @@ rad the road 15 m ahead seems 8 cm too high and looks like an obstacle. The appl
 for a good mounting: hard rain feigns up to 0.03 deg at first.
 """
 
-from math import sqrt
-
 from vpf_sim.perception.egomotion.egomotion_settings import MountPitchConfig
 
 
@@ -18,11 +16,6 @@ class MountPitch:
         self._found_rad, self._variance_rad2 = 0.0, config.first_sd_rad**2
         self._time_s: float | None = None
         self.pitch_rad = 0.0  # applied, + looks down
-
-    @property
-    def sigma_rad(self) -> float:
-        """Standard deviation of the estimate."""
-        return sqrt(self._variance_rad2)
 
     def update(self, pitch_rad: float, sigma_rad: float, time_s: float) -> None:
         """Add an observation of the pitch with its standard deviation."""

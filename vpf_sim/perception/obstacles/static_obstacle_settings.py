@@ -208,10 +208,10 @@ class StaticObstacleConfig:
     beside_m: float = setting("Margin added to each reported side.", ge=0.0)
     least_width_m: float = setting("Least reported width: a cone's base is wider than its stripes.", ge=0.0)
     behind_m: float = setting("Distance behind the car at which an obstacle is pruned.", ge=0.0)
-    noise: NoiseModel = setting("Noise of the point tracks.")
-    occlusion: OcclusionConfig = setting("Regions that obstacles occlude.")
     low_tracks: LowTrackConfig = setting("Tracks of low obstacles.")
     planar_parallax: ParallaxConfig = setting("Detects low obstacles by planar parallax.")
+    noise: NoiseModel = setting("Noise of the point tracks.", default_factory=NoiseModel)
+    occlusion: OcclusionConfig = setting("Regions that obstacles occlude.", default_factory=OcclusionConfig)
     low_obstacles: LowObstacleConfig | None = setting("Detects low obstacles by several low points.", default=None)
     looming_consistency: LoomingConsistencyConfig | None = setting(
         "Rejects points that expand too little.", default=None

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.perception.egomotion.focus_of_expansion import Derotated, derotate, derotated
+from vpf_sim.perception.egomotion.focus_of_expansion import Derotated, derotated
 from vpf_sim.perception.paper.paper_settings import ContactConfig
 from vpf_sim.types import Camera, Expansion, Floats, Flow
 
@@ -34,16 +34,12 @@ def _radial(flow: Flow, turned: Derotated, expansion: Expansion, config: Contact
     return np.where(ttc > config.cap_s, np.inf, ttc)
 
 
-def of_clusters(flow: Flow, camera: Camera, labels: Labels, config: ContactConfig) -> Floats:
+def of_clusters(flow: Flow, displacement_px: Floats, labels: Labels, config: ContactConfig) -> Floats:
     """(K,) s by the expansion of each cluster: d = (p - c) s fitted over its points, TTC = T (1 - s) / s.
 
-    `labels` (N,) counts clusters from 0; -1 is none. The centre c is fitted too, so that a cluster needs no FOE and
-    may move. Clusters of too few points are inf.
+    `displacement_px` (N, 2) is without the car's rotation. `labels` (N,) counts clusters from 0; -1 is none. The centre
+    c is fitted too, so that a cluster needs no FOE and may move. Clusters of too few points are inf.
     """
-    return _of_clusters(flow, derotate(flow, camera), labels, config)
-
-
-def _of_clusters(flow: Flow, displacement_px: Floats, labels: Labels, config: ContactConfig) -> Floats:
     count = int(labels.max(initial=-1)) + 1
     chosen = (labels >= 0) & (flow.gap_s > 0.0)
     label, gap = labels[chosen], flow.gap_s[chosen]
@@ -86,7 +82,7 @@ def time_to_contact(
     ttc = _radial(flow, turned, expansion, config)
     if labels is None or not np.any(labels >= 0):
         return ttc
-    clusters = _of_clusters(flow, turned.flow_px, labels, config)
+    clusters = of_clusters(flow, turned.flow_px, labels, config)
     together = np.where(labels >= 0, clusters[np.maximum(labels, 0)], np.inf)
     return np.where(np.isfinite(together), together, ttc)
 
