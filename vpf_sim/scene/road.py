@@ -86,6 +86,6 @@ class Road:
         dx, dy, cosine, sine = x_m - x, y_m - y, np.cos(heading), np.sin(heading)
         return dx * cosine + dy * sine, dy * cosine - dx * sine, curvature
 
-    def _tables_at(self, s_m: Reals, *names: str) -> list[Floats]:
+    def _tables_at(self, s_m: Reals | float, *names: str) -> list[Floats]:
         """Tables between their stations."""
         return [np.interp(s_m, self.station_m, getattr(self, name)) for name in names]
