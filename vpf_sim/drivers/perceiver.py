@@ -190,4 +190,4 @@ class Perceiver:
     def _moved(self, last: Perception, observation: Observation, pose: Floats) -> Obstacles:
         """The last frame's obstacles in the axes of another pose, the moving ones where they are by now."""
         since_s = observation.time_s - self._last_s
-        return predict(last.obstacles, last.pose, pose, observation.speed_mps, last.road, since_s)
+        return predict(last.obstacles, last.pose, pose, last.road, since_s)

@@ -32,7 +32,7 @@ def robust_pipeline(
         stage("keyframe", its.remember_frame, "grey"),
         common.road(),
         stage("contrast", its.contrast_image, "observation grey", "contrast"),
-        stage("moving_prediction", its.predict_moving, "pose observation", "moving"),
+        stage("moving_prediction", its.predict_moving, "pose", "moving"),
         stage("planar_parallax", its.compare_road, "contrast pose road moving observation"),
         stage("triangulation", its.triangulate, "steady_flow", "points"),
         stage("moving_obstacles", its.track_moving, "steady_flow points road observation", "on_moving"),
@@ -43,7 +43,7 @@ def robust_pipeline(
         ),
         stage("track_refinement", its.refine, "flow steady_flow points road observation", "points"),
         stage("static_obstacles", its.track_static, "steady_flow road observation points on_moving", "detected"),
-        stage("all_obstacles", its.join_moving, "steady_flow observation detected", "obstacles"),
+        stage("all_obstacles", its.join_moving, "steady_flow detected", "obstacles"),
         *(
             [stage("oncoming", its.find_oncoming, "points road observation crossers", "crossers")]
             if variant.crossing
@@ -91,11 +91,11 @@ class ObstacleStages:
         view, pitch = contrast(observation.image, grey), self._trackers.pitch
         return view if pitch is None else pitch.frame(view)
 
-    def predict_moving(self, pose: Floats, observation: Observation) -> Obstacles | None:
+    def predict_moving(self, pose: Floats) -> Obstacles | None:
         """Moving obstacles where the road is compared: no road is expected there."""
         if self._moving is None or not self._static.needs_next_frame:
             return None
-        return self._moving.moving(pose, observation.speed_mps)
+        return self._moving.moving(pose)
 
     def compare_road(
         self, image: Image | None, pose: Floats, road: RoadEdges, moving: Obstacles | None, observation: Observation
@@ -142,11 +142,11 @@ class ObstacleStages:
         """Static obstacles after this frame."""
         return self._static.update(steady, road, observation.speed_mps, observation.time_s, points, on_moving)
 
-    def join_moving(self, steady: Flow, observation: Observation, static: Obstacles) -> Obstacles:
+    def join_moving(self, steady: Flow, static: Obstacles) -> Obstacles:
         """Static and moving obstacles."""
         if self._moving is None or not self._moving.reports:
             return static
-        return static.concatenate(self._moving.moving(steady.pose, observation.speed_mps))
+        return static.concatenate(self._moving.moving(steady.pose))
 
     def find_oncoming(
         self, points: Triangulation, road: RoadEdges, observation: Observation, crossers: Crossers

@@ -20,7 +20,7 @@ from vpf_sim.perception.obstacles.extent import (
     rotate_back,
     sides,
 )
-from vpf_sim.perception.obstacles.low_obstacles import extend_by_low, join, match_tracks, widen_to_tracks
+from vpf_sim.perception.obstacles.low_obstacles import extend_by_low, join, widen_to_tracks
 from vpf_sim.perception.obstacles.prediction import predict
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Obstacles, RoadEdges
@@ -40,7 +40,7 @@ def test_obstacles_are_predicted_by_the_ego_motion_and_their_own() -> None:
     )
     road, seen_from = RoadEdges(-5.0, 5.0, 0.1, 0.0, 0.05, 1.0, 0.0, 3.5), np.array([3.0, 1.0, 0.5])
     pose = np.array([*(seen_from[:2] + rotation(0.5) @ np.array([0.3, 0.02])), 0.53])
-    found = predict(obstacles, seen_from, pose, 6.0, road, 0.05)
+    found = predict(obstacles, seen_from, pose, road, 0.05)
     expected = np.array([[20.0, 3.0], [30.0, -2.0] + 0.2 * np.array([np.cos(0.1), np.sin(0.1)])]) - (0.3, 0.02)
     expected = expected @ rotation(0.03)
     assert np.stack([found.forward_m, found.middle_m], axis=1) == pytest.approx(expected, abs=1e-3)
@@ -254,7 +254,7 @@ def test_a_low_obstacle_well_before_a_taller_one_is_its_own(before_m: float, own
 
 
 def seen_wide(points: Obstacles, tracks: Obstacles) -> Obstacles:
-    return widen_to_tracks(points, tracks, *match_tracks(points, tracks, 1.0, 0.4))
+    return widen_to_tracks(points, tracks, 1.0, 0.4)
 
 
 def test_a_low_obstacle_has_the_width_of_its_track_and_contains_its_points() -> None:

@@ -15,7 +15,6 @@ def test_an_obstacle_is_kept_out_of_view_and_pruned_once_passed() -> None:
     beside = next(k for k in range(480) if drive.pose(k)[0] > 30.0)
     assert len(found[beside]) == 1
     assert found[beside].forward_m[0] == pytest.approx(0.0, abs=0.3)
-    assert np.isinf(found[beside + 30].ttc_s[0])
     passed = next(k for k in range(480) if drive.pose(k)[0] > 41.6)
     assert not len(found[passed])
 

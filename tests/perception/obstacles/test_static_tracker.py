@@ -28,7 +28,6 @@ def test_a_car_is_detected_far_away_and_measured() -> None:
     assert len(last) == 1
     assert last.forward_m[0] == pytest.approx(60.0 - drive.pose(559)[0], abs=0.3)
     assert (last.left_m[0], last.right_m[0]) == pytest.approx((-0.6, 1.2), abs=0.15)
-    assert last.ttc_s[0] == pytest.approx(last.forward_m[0] / SPEED_MPS)
     assert last.sigma_m[0] < 0.3
     names = {int(name) for obstacles in found for name in obstacles.identity}
     assert names == {0}

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from vpf_sim.types import Bools, Floats, Integers
 
@@ -11,7 +12,8 @@ def clusters(place_m: Floats, sigma_m: Floats, right_m: float, forward_m: float,
     """(M,) cluster of each of M points, near ones together."""
     gap = np.abs(place_m[:, None] - place_m[None])
     reach = np.maximum(forward_m, sigmas * np.hypot(sigma_m[:, None], sigma_m[None]))
-    return connected((gap[..., 1] < right_m) & (gap[..., 0] < reach))
+    near = (gap[..., 1] < right_m) & (gap[..., 0] < reach)
+    return np.asarray(connected_components(near)[1], np.int64)
 
 
 def split(label: Integers, group: Integers, are_obstacles: Callable[[Integers], Bools]) -> tuple[Integers, Bools]:
@@ -26,14 +28,3 @@ def split(label: Integers, group: Integers, are_obstacles: Callable[[Integers], 
     remains = np.isin(label, label[several & (group < 0)])
     names, parts = np.unique(label + count * np.where(several & remains, group + 1, 0), return_inverse=True)
     return parts.astype(np.int64), names >= count
-
-
-def connected(linked: Bools) -> Integers:
-    """(N,) connected part of each node of a symmetric graph (N, N), counted from 0."""
-    label = np.arange(len(linked))
-    while True:
-        least = np.minimum(np.where(linked, label, len(label)).min(axis=1), label)
-        least = least[least]  # of the least of its part: long chains close soon
-        if np.array_equal(least, label):
-            return np.unique(label, return_inverse=True)[1].astype(np.int64)
-        label = least

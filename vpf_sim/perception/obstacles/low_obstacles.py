@@ -58,22 +58,16 @@ def widen(obstacles: Obstacles, width_m: float | Floats) -> Obstacles:
     return replace(obstacles, left_m=obstacles.left_m - lacking, right_m=obstacles.right_m + lacking)
 
 
-def match_tracks(low: Obstacles, tracks: Obstacles, along_m: float, beside_m: float) -> tuple[Integers, Bools]:
-    """(K,) nearest low track for each obstacle of low points, and whether it is within these distances."""
-    if not len(low) or not len(tracks):
-        return np.zeros(len(low), np.int64), np.zeros(len(low), np.bool_)
-    along = np.abs(low.forward_m[:, None] - tracks.forward_m[None])
-    apart = np.where(along < along_m, _apart_m(low, tracks), np.inf)
-    return apart.argmin(axis=1), apart.min(axis=1) < beside_m
-
-
-def widen_to_tracks(low: Obstacles, tracks: Obstacles, nearest: Integers, matched: Bools) -> Obstacles:
-    """The obstacles of low points, the `matched` ones as wide as their `nearest` track.
+def widen_to_tracks(low: Obstacles, tracks: Obstacles, along_m: float, beside_m: float) -> Obstacles:
+    """The obstacles of low points, each as wide as the nearest low track within these distances.
 
     Points show only a part of an obstacle, but at the right place: the track is shifted to contain them.
     """
-    if not matched.any():
+    if not len(low) or not len(tracks):
         return low
+    along = np.abs(low.forward_m[:, None] - tracks.forward_m)
+    apart = np.where(along < along_m, _apart_m(low, tracks), np.inf)
+    nearest, matched = apart.argmin(axis=1), apart.min(axis=1) < beside_m
     left, right, width = tracks.left_m[nearest], low.right_m, tracks.width_m[nearest]
     begin = np.minimum(np.maximum(left, right - width), low.left_m)
     return replace(

@@ -13,7 +13,6 @@ from vpf_sim.perception.obstacles.low_obstacles import (
     belongs_to,
     extend_by_low,
     join,
-    match_tracks,
     off_lines,
     widen,
     widen_to_tracks,
@@ -55,8 +54,7 @@ class ObstacleClusters:
         if low is not None:
             flat = self._flat(tall, pose, road, low, range_factor)
             if low.parallax is not None:
-                nearest, both = match_tracks(flat, tracks, low.parallax.along_m, low.beside_m)
-                flat = widen_to_tracks(flat, tracks, nearest, both)
+                flat = widen_to_tracks(flat, tracks, low.parallax.along_m, low.beside_m)
             flat = widen(flat, config.low_tracks.least_width_m)
             if low.on_top is not None:
                 found = extend_by_low(tall, flat, low.on_top.before_m, behind_m)

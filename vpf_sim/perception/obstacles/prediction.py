@@ -14,23 +14,19 @@ def none() -> Obstacles:
     return Obstacles(empty, empty, empty, empty, empty, np.empty(0, np.int64))
 
 
-def to_current_frame(obstacles: Obstacles, before: Floats, pose: Floats, speed_mps: float) -> Obstacles:
+def to_current_frame(obstacles: Obstacles, before: Floats, pose: Floats) -> Obstacles:
     """Obstacles of the vehicle at the pose `before`, in its axes at `pose`, as if none had moved since."""
     if not len(obstacles):
         return obstacles
     middle = obstacles.middle_m
     place = np.stack([obstacles.forward_m, middle], axis=1)
     place = vehicle_from_world(world_from_vehicle(place, before), pose)
-    face, aside, closing = place[:, 0], place[:, 1] - middle, np.maximum(speed_mps - obstacles.speed_mps, 0.0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ttc = np.where((face > 0.0) & (closing > 0.0), face / closing, np.inf)
+    aside = place[:, 1] - middle
     left, right = obstacles.left_m + aside, obstacles.right_m + aside
-    return replace(obstacles, forward_m=face, left_m=left, right_m=right, ttc_s=ttc)
+    return replace(obstacles, forward_m=place[:, 0], left_m=left, right_m=right)
 
 
-def predict(
-    obstacles: Obstacles, before: Floats, pose: Floats, speed_mps: float, road: RoadEdges, since_s: float
-) -> Obstacles:
+def predict(obstacles: Obstacles, before: Floats, pose: Floats, road: RoadEdges, since_s: float) -> Obstacles:
     """Obstacles of the pose `before` in the axes at `pose`, moved along the road for the time since."""
     if obstacles.speed_mps.any():
         travel, angle = obstacles.speed_mps * since_s, direction_rad(obstacles.forward_m, road)
@@ -41,4 +37,4 @@ def predict(
             left_m=obstacles.left_m + aside,
             right_m=obstacles.right_m + aside,
         )
-    return to_current_frame(obstacles, before, pose, speed_mps)
+    return to_current_frame(obstacles, before, pose)

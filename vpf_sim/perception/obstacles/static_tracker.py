@@ -8,16 +8,16 @@ import numpy as np
 from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.egomotion.triangulation import Triangulation, triangulate
 from vpf_sim.perception.obstacles.crossing import Crossers, nobody
+from vpf_sim.perception.obstacles.moving.place import is_on_carriageway
 from vpf_sim.perception.obstacles.obstacle_clusters import ObstacleClusters
 from vpf_sim.perception.obstacles.oncoming import oncoming_vehicles
-from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation, PlanarParallax
+from vpf_sim.perception.obstacles.planar_parallax.detector import PlanarParallax
 from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks
 from vpf_sim.perception.obstacles.point_detection import PointDetector
 from vpf_sim.perception.obstacles.point_hypotheses import PointHypotheses, among, followed
 from vpf_sim.perception.obstacles.prediction import none, to_current_frame
 from vpf_sim.perception.obstacles.static_obstacle_settings import StaticObstacleConfig
 from vpf_sim.perception.obstacles.track_refinement import Match, candidates, refined
-from vpf_sim.perception.road.geometry import carriageway_offsets
 from vpf_sim.perception.road.occlusion import footprints
 from vpf_sim.perception.schedule import Schedule
 from vpf_sim.types import Bools, Camera, Floats, Flow, Image, Integers, Obstacles, RoadEdges
@@ -90,7 +90,7 @@ class StaticObstacleTracker:
             tracks = self.low_tracks.bodies(flow.pose)
             self._tall, self._obstacles = self._clusters.obstacles(flow.pose, road, tracks, range_factor)
             self._pose = flow.pose
-        return to_current_frame(self._obstacles, self._pose, flow.pose, speed_mps)
+        return to_current_frame(self._obstacles, self._pose, flow.pose)
 
     def relief(self, obstacles: Obstacles) -> Floats:
         """(K,) as `PlanarParallax.relief`; nan of tall obstacles, whose shadows lie in the road's plane."""
@@ -139,17 +139,13 @@ class StaticObstacleTracker:
         """
         known = None
         if image is not None and self.parallax.looks:
-            hiding = to_current_frame(self._tall, self._pose, pose, 0.0)
+            hiding = to_current_frame(self._tall, self._pose, pose)
             if moving is not None and len(moving):
                 hiding = hiding.concatenate(moving)
             since_s = self.config.planar_parallax.baseline_m / max(speed_mps, 1.0)
             known = footprints(hiding, road, self.config.occlusion, since_s)
         found = self.parallax.update(image, pose, known)
         if found is not None:
-            self.low_tracks.record([one for one in found if self._is_inside(one, road)], pose)
-
-    def _is_inside(self, one: LowObservation, road: RoadEdges) -> bool:
-        """Whether the middle of an observation lies within the carriageway."""
-        left, right = carriageway_offsets(np.array([one.forward_m]), road)
-        margin = self.config.edge_margin_m
-        return bool(left[0] + margin < one.middle_m < right[0] - margin)
+            margin_m = self.config.edge_margin_m
+            inside = [one for one in found if is_on_carriageway(one.forward_m, one.middle_m, road, margin_m)]
+            self.low_tracks.record(inside, pose)

@@ -86,23 +86,19 @@ class MovingObstacleTracker:
         """Whether there is anything to report."""
         return any(track.identity is not None for track in self.tracks)
 
-    def moving(self, pose: Floats, speed_mps: float) -> Obstacles:
+    def moving(self, pose: Floats) -> Obstacles:
         """The confirmed tracks, in the axes of the vehicle; their identities are negative."""
         confirmed = [track for track in self.tracks if track.identity is not None]
         place = np.array([track.place(pose) for track in confirmed]).reshape(-1, 2)
         half = np.array([track.half_m for track in confirmed])
-        speed = np.array([track.speed_mps for track in confirmed])
-        forward, closing = place[:, 0], speed_mps - speed
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ttc = np.where((forward > 0.0) & (closing > 0.0), forward / closing, np.inf)
         return Obstacles(
-            forward_m=forward,
+            forward_m=place[:, 0],
             left_m=place[:, 1] - half,
             right_m=place[:, 1] + half,
             sigma_m=np.array([track.sigma_m for track in confirmed]),
-            ttc_s=ttc,
+            ttc_s=np.full(len(confirmed), np.inf),  # as in `StaticObstacleTracker`: the scene works it out
             identity=-np.array([track.identity for track in confirmed], np.int64),
-            speed_mps=speed,
+            speed_mps=np.array([track.speed_mps for track in confirmed]),
         )
 
     def _observe(self, flow: Flow, points: Triangulation, road: RoadEdges, speed_mps: float, searches: bool) -> None:
