@@ -1,5 +1,8 @@
 """vpf_sim/FourLane-v0: the ego car on a scenario's road, observed through its camera."""
 
+from vpf_sim.envs import import_highway_env  # noqa: F401 - before anything else imports highway-env
+
+# isort: split
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from pathlib import Path

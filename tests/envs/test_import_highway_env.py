@@ -11,14 +11,14 @@ assert vpf_sim.drive("straight", driver="pid").status == "success"
 print(*sorted({"matplotlib", "pandas"} & set(sys.modules)))
 """
 TABLE = """
-import sys, vpf_sim.envs
+import sys, vpf_sim.envs.four_lane
 assert "pandas" not in sys.modules
 import gymnasium
 table, _ = gymnasium.make("highway-v0").reset(seed=0)  # made by pandas
 print(table.shape, hasattr(sys.modules["pandas"], "DataFrame"))
 """
 PLOTS = """
-import vpf_sim.envs
+import vpf_sim.envs.four_lane
 from highway_env.vehicle import dynamics
 plot = dynamics.plt.subplots
 import matplotlib.pyplot
@@ -33,7 +33,7 @@ class Finder:
             import pandas
             print(pandas.DataFrame.__name__)
 sys.meta_path.insert(0, Finder())
-import vpf_sim.envs, pandas
+import vpf_sim.envs.four_lane, pandas
 print(type(pandas) is ModuleType and "matplotlib" not in sys.modules)
 """
 
