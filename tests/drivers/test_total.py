@@ -24,7 +24,7 @@ from vpf_sim.replay.model_vehicle import Interval, ModelVehicle
 from vpf_sim.scene.evidence import NO_EVIDENCE
 from vpf_sim.types import Floats, LowObstacleRange, Obstacles, Reference, RoadEdges
 
-GAINS = ("literal", "paper", "robust", "super-twisting", "motion")
+GAINS = ("literal", "paper", "super-twisting", "motion")
 
 
 def assert_command(command: Command) -> None:
