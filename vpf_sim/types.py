@@ -199,7 +199,7 @@ class Obstacles(LateralExtents):
     left_m: Floats  # (K,) lateral position of the left side, + is right
     right_m: Floats  # (K,) of the right side
     sigma_m: Floats  # (K,) standard deviation of forward_m
-    ttc_s: Floats  # (K,) inf where the gap does not close
+    ttc_s: Floats  # (K,) inf where the gap does not close, and before the scene has tracks of them
     identity: NDArray[np.int64]  # (K,) negative where it moves
     speed_mps: Floats = field(default_factory=lambda: np.empty(0))  # (K,) along the road; left out, all stand
     existence: Floats = field(default_factory=lambda: np.empty(0))  # (K,) probability; nan, as left out: not stated

@@ -138,6 +138,17 @@ def test_the_reported_obstacles_are_where_their_tracks_are_by_now() -> None:
     assert later.ttc_s[0] == pytest.approx(14.95 / (5.0 - 4.0))
 
 
+@pytest.mark.parametrize(
+    ("forward_m", "speed_mps", "closes"), [(15.0, 4.0, True), (15.0, 6.0, False), (-1.0, 4.0, False)]
+)
+def test_only_what_comes_nearer_ahead_has_a_time_to_contact(forward_m: float, speed_mps: float, closes: bool) -> None:
+    scene, one, here = camera_scene(), np.ones(1), observed(0.0, 0.0, 0.0)
+    other = Obstacles(forward_m * one, 2.6 * one, 4.4 * one, 0.2 * one, one, np.array([-1]), speed_mps * one)
+    scene.observe(seen(edges_at(0.0, 0.0, 0.0), other), here)
+    (ttc_s,) = scene.obstacles(here).ttc_s
+    assert np.isfinite(ttc_s) == closes
+
+
 def test_a_car_that_stands_finds_no_new_evidence_of_what_stands() -> None:
     """An obstacle that appears 6 m ahead, where no points judge it."""
     scene, one = camera_scene(), np.ones(1)

@@ -95,7 +95,7 @@ class ObstacleClusters:
         if not len(rows):
             return none()
         place, sigma = vehicle_from_world(self._points.place_m[rows], pose), self._points.sigma_m[rows]
-        right_m = min(range_factor * links.link_right_m, config.link_most_m)
+        right_m = max(links.link_right_m, min(range_factor * links.link_right_m, config.link_most_m))
         near = partial(clusters, right_m=right_m, forward_m=links.link_forward_m, sigmas=config.sure_sigmas)
         label = near(place, sigma)
         accepted = are_obstacles(rows, label)

@@ -96,7 +96,7 @@ class MovingObstacleTracker:
             left_m=place[:, 1] - half,
             right_m=place[:, 1] + half,
             sigma_m=np.array([track.sigma_m for track in confirmed]),
-            ttc_s=np.full(len(confirmed), np.inf),  # as in `StaticObstacleTracker`: the scene works it out
+            ttc_s=np.full(len(confirmed), np.inf),  # the scene, where there is one, works it out
             identity=-np.array([track.identity for track in confirmed], np.int64),
             speed_mps=np.array([track.speed_mps for track in confirmed]),
         )
