@@ -24,7 +24,7 @@ def road(curvature_per_m: float = 0.0, oncoming_lanes: int = 0) -> Road:
     own_left = -EDGE_M + LANE_M * oncoming_lanes
     lanes = np.array([middle * same for middle in (-LANE_M, 0.0, LANE_M) if middle > own_left])
     return Road(
-        s, x, y, heading, curvature_per_m * same, -EDGE_M * same, EDGE_M * same, own_left * same, 0.0 * s, lanes,
+        s, x, y, heading, curvature_per_m * same, -EDGE_M * same, EDGE_M * same, own_left * same, lanes,
         lane_width_m=LANE_M,
         route_m=0.0,
     )  # fmt: skip
@@ -36,7 +36,7 @@ def tracks(on: Road, *objects: tuple[float, ...]) -> Tracks:
     s, d, relative, speed, length, width = np.array(objects, float).reshape(count, 6).T
     x, y, heading = on.world(s, d)
     none, covariance = np.zeros(count), np.zeros((count, 4, 4))
-    return Tracks(x, y, heading + relative, speed, none, length, width, s, d, none + 20.0, covariance, np.arange(count))
+    return Tracks(x, y, heading + relative, speed, none, length, width, s, d, covariance)
 
 
 def scene(

@@ -19,7 +19,6 @@ def plausible_road(road: RoadEdges) -> RoadEdges:
         right_m=bounded(road.right_m, ASIDE_M),
         heading_rad=bounded(road.heading_rad, TURNED_RAD),
         curvature_per_m=bounded(road.curvature_per_m, SHARPEST_PER_M),
-        sigma_m=bounded(road.sigma_m, ASIDE_M),
         lane_m=bounded(road.lane_m, ASIDE_M),
         oncoming_m=bounded(road.oncoming_m, ASIDE_M),
     )

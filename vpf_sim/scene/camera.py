@@ -211,7 +211,6 @@ def road_of(edges: RoadEdges, pose: Floats, s_m: float) -> Road:
         (left - edges.oncoming_m) * same,
         right * same,
         left * same,
-        edges.sigma_m * same,
         lanes[:, None] * same,
         lane_width_m=edges.lane_width_m,
         route_m=0.0,
@@ -242,9 +241,7 @@ def tracks_of(table: TrackTable, road: Road) -> Tracks:
         np.where(crosses, depth, table.width_m),
         s + 0.5 * depth,
         d,
-        table.gain,
         _in_track_axes(table.covariance, turn, moving),
-        table.identity,
     )
 
 

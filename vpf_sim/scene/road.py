@@ -45,7 +45,6 @@ class Road:
     left_m: Floats  # (M,)
     right_m: Floats  # (M,)
     own_left_m: Floats  # (M,)
-    edge_sigma_m: Floats  # (M,) standard deviation of the edges
     lanes_m: Floats  # (L, M)
     lane_width_m: float
     route_m: float  # d of the route

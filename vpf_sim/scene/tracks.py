@@ -34,9 +34,7 @@ class Tracks:
     width_m: Floats  # (K,)
     s_m: Floats  # (K,) on the road
     d_m: Floats  # (K,)
-    existence: Floats  # (K,) log-odds
     covariance: Floats  # (K, 4, 4)
-    identity: Integers  # (K,) stays with a track
     lanes: tuple[LanePlace | None, ...] = ()
 
     def __len__(self) -> int:
@@ -55,11 +53,6 @@ class Tracks:
             if field.name != "lanes"
         }
         return Tracks(**columns)
-
-    @property
-    def probability(self) -> Floats:
-        """(K,) of existence."""
-        return probability(self.existence)
 
 
 def probability(log_odds: Floats) -> Floats:

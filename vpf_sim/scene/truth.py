@@ -22,7 +22,6 @@ BEFORE_M, BEYOND_M = 60.0, 200.0  # of the reference line's ends
 JUNCTION_HALF_M = 2.0  # where the road has no edges, the route is this wide to either side
 CENTRE_ON_LANE_M = 0.6  # highway-env asks for the car's centre on a lane, so its corners may be beyond
 PARALLEL_RAD = pi / 9.0  # lanes at a smaller angle share a cross-section
-CERTAIN = 20.0  # log-odds of what exists
 SPEED_SIGMA_MPS = (0.15, 0.05)  # along, across: what traffic may decide otherwise in the next seconds
 STANDING_MPS = 0.2
 AHEAD_S = 8.0  # objects that cannot be near within this time are left out
@@ -73,7 +72,6 @@ class TrueScene:
         self._lanes = PlannedLanes(setup.world.network)
         self._ego: Any = None
         self._last_s_m = 0.0
-        self._identities: dict[Any, int] = {}
 
     def at(self, observation: Observation) -> Scene:
         """The scene at an observation's time."""
@@ -83,9 +81,8 @@ class TrueScene:
         s, d = self.place(observation)
         ego = EgoState(*place, observation.yaw_rad, observation.speed_mps, observation.yaw_rate_radps, s, d)
         objects = self._near(ego)
-        numbers = [self._identities.setdefault(obj, len(self._identities)) for obj in objects]
         lanes = tuple(map(self._lanes.place_of, objects))
-        return Scene(observation.time_s, ego, self.road, _tracks(objects, numbers, lanes), self._speed_mps)
+        return Scene(observation.time_s, ego, self.road, _tracks(objects, lanes), self._speed_mps)
 
     def place(self, observation: Observation) -> tuple[float, float]:
         """s and d of the car, m."""
@@ -124,7 +121,6 @@ def road_of(network: Network, route_m: float) -> Road:
     widths = [width for one in sections for width in one[4]]
     return Road(
         station, x, y, heading, line.curvature(station), left, right, own_left,
-        edge_sigma_m=np.zeros_like(station),
         lanes_m=table[:, nearest],
         lane_width_m=float(np.median(widths)) if widths else 2.0 * JUNCTION_HALF_M,
         route_m=route_m,
@@ -157,18 +153,16 @@ def _lanes(network: Network, x_m: float, y_m: float, heading_rad: float) -> Iter
             yield (-lateral if cos(turn) > 0.0 else lateral), float(lane.width_at(along)), own
 
 
-def _tracks(objects: Iterable[Any], numbers: list[int], lanes: tuple[LanePlace | None, ...]) -> Tracks:
-    """`numbers` are the objects' identities."""
+def _tracks(objects: Iterable[Any], lanes: tuple[LanePlace | None, ...]) -> Tracks:
     rows = [
         (*obj.position, obj.heading, obj.speed, _yaw_rate(obj), obj.LENGTH, obj.WIDTH, *obj.place) for obj in objects
     ]
     x, y, heading, speed, yaw_rate, length, width, s, d = np.array(rows, float).reshape(-1, 9).T
     moving = np.abs(speed) > STANDING_MPS
-    covariance = np.zeros((len(numbers), 4, 4))
+    covariance = np.zeros((len(lanes), 4, 4))
     for axis, sigma in enumerate(SPEED_SIGMA_MPS):
         covariance[:, axis + 2, axis + 2] = np.where(moving, sigma**2, 0.0)
-    existence, identity = np.full(len(numbers), CERTAIN), np.array(numbers, np.int64)
-    return Tracks(x, y, heading, speed, yaw_rate, length, width, s, d, existence, covariance, identity, lanes)
+    return Tracks(x, y, heading, speed, yaw_rate, length, width, s, d, covariance, lanes)
 
 
 def _yaw_rate(obj: Any) -> float:

@@ -69,5 +69,5 @@ class UnseenTraffic:
         x, y, heading = road.world(s, others)
         return Tracks(
             x, y, heading, self._speed_mps * same, 0.0 * same, length_m * same, WIDTH_M * same,
-            s, others, same, np.zeros((len(others), 4, 4)), -1 - np.arange(len(others)),
+            s, others, np.zeros((len(others), 4, 4)),
         )  # fmt: skip
