@@ -48,13 +48,10 @@ class FrameState:
     road_pitch: tuple[float, float] | None = None  # rad and its standard deviation, from the road's lines
 
     # Obstacles
-    contrast: Image | None = None  # (H, W) with colour contrast and without pitch; None beneath the wiper
-    moving: Obstacles | None = None  # moving obstacles before this frame's measurement
     points: Triangulation | None = None  # of the flow, in the robust pipeline
     on_moving: Bools | None = None  # (N,) points of the flow on moving obstacles
     motions: PointMotions | None = None  # of the points of the flow, where actors that cross are looked for
     crossers: Crossers = field(default_factory=nobody)
-    detected: Obstacles = field(init=False)  # static ones
     obstacles: Obstacles = field(default_factory=none)  # feedback: they hide the road in the next frame
     relief: Floats | None = None  # (K,) of the obstacles, by planar parallax
     low_range_m: LowObstacleRange = UNLIMITED

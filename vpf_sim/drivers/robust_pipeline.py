@@ -31,9 +31,7 @@ def robust_pipeline(
         *common.egomotion(),
         stage("keyframe", its.remember_frame, "grey"),
         common.road(),
-        stage("contrast", its.contrast_image, "observation grey", "contrast"),
-        stage("moving_prediction", its.predict_moving, "pose", "moving"),
-        stage("planar_parallax", its.compare_road, "contrast pose road moving observation"),
+        stage("planar_parallax", its.compare_road, "observation grey pose road"),
         stage("triangulation", its.triangulate, "steady_flow", "points"),
         stage("moving_obstacles", its.track_moving, "steady_flow points road observation", "on_moving"),
         *(
@@ -42,8 +40,7 @@ def robust_pipeline(
             else []
         ),
         stage("track_refinement", its.refine, "flow steady_flow points road observation", "points"),
-        stage("static_obstacles", its.track_static, "steady_flow road observation points on_moving", "detected"),
-        stage("all_obstacles", its.join_moving, "steady_flow detected", "obstacles"),
+        stage("static_obstacles", its.track_static, "steady_flow road observation points on_moving", "obstacles"),
         *(
             [stage("oncoming", its.find_oncoming, "points road observation crossers", "crossers")]
             if variant.crossing
@@ -79,29 +76,17 @@ class ObstacleStages:
         if self._keyframes is not None:
             self._keyframes.push(grey)
 
-    def contrast_image(self, observation: Observation, grey: Image) -> Image | None:
-        """The image in which the road is compared, without the camera's pitch; None beneath the wiper.
+    def compare_road(self, observation: Observation, grey: Image, pose: Floats, road: RoadEdges) -> None:
+        """Compare the road ahead with how it looked before, for low obstacles: in colour, without the camera's pitch.
 
-        If nothing compares this frame, the grey image is enough.
+        No road is expected where moving obstacles are by now.
         """
-        if self._trackers.flow.is_swept:
-            return None
-        if not self._static.needs_next_frame:
-            return grey
-        view, pitch = contrast(observation.image, grey), self._trackers.pitch
-        return view if pitch is None else pitch.frame(view)
-
-    def predict_moving(self, pose: Floats) -> Obstacles | None:
-        """Moving obstacles where the road is compared: no road is expected there."""
-        if self._moving is None or not self._static.needs_next_frame:
-            return None
-        return self._moving.moving(pose)
-
-    def compare_road(
-        self, image: Image | None, pose: Floats, road: RoadEdges, moving: Obstacles | None, observation: Observation
-    ) -> None:
-        """Compare the road ahead with how it looked before, for low obstacles."""
-        self._static.compare_road(image, pose, road, moving, observation.speed_mps)
+        view = moving = None
+        if self._static.parallax.looks and not self._trackers.flow.is_swept:
+            view, pitch = contrast(observation.image, grey), self._trackers.pitch
+            view = view if pitch is None else pitch.frame(view)
+            moving = self._moving.moving(pose) if self._moving else None
+        self._static.compare_road(view, pose, road, moving, observation.speed_mps)
 
     def triangulate(self, steady: Flow) -> Triangulation:
         """The points of the flow, as if all of them stood still."""
@@ -139,14 +124,10 @@ class ObstacleStages:
     def track_static(
         self, steady: Flow, road: RoadEdges, observation: Observation, points: Triangulation, on_moving: Bools | None
     ) -> Obstacles:
-        """Static obstacles after this frame."""
-        return self._static.update(steady, road, observation.speed_mps, observation.time_s, points, on_moving)
-
-    def join_moving(self, steady: Flow, static: Obstacles) -> Obstacles:
-        """Static and moving obstacles."""
-        if self._moving is None or not self._moving.reports:
-            return static
-        return static.concatenate(self._moving.moving(steady.pose))
+        """Static obstacles after this frame, and moving ones."""
+        motion = observation.speed_mps, observation.time_s
+        static = self._static.update(steady, road, *motion, points, on_moving)
+        return static.concatenate(self._moving.moving(steady.pose)) if self._moving else static
 
     def find_oncoming(
         self, points: Triangulation, road: RoadEdges, observation: Observation, crossers: Crossers

@@ -14,7 +14,7 @@ from vpf_sim.reporting.kit.page import NONE, Line, Table, Value, formatted, inte
 from vpf_sim.reporting.main_table import Order, ends_of, shown, text_of
 
 PERCEPTION, OBJECTS, COMPARED = (columns(table) for table in ("perception", "objects", "pairs"))
-STAGES = {  # column -> stages of timing.jsonl that it adds up
+STAGES = {  # column -> stages of timing.jsonl that it adds up, with those of older recordings
     "camera": ("render",),
     "flow": ("grey", "flow", "keyframe"),
     "FOE, pitch": ("derotation", "focus_of_expansion", "camera_pitch", "mount_pitch"),

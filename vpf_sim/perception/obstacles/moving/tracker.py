@@ -81,11 +81,6 @@ class MovingObstacleTracker:
             self._observe(flow, points, road, speed_mps, searches)
         return among(flow.identity, self._masked)
 
-    @property
-    def reports(self) -> bool:
-        """Whether there is anything to report."""
-        return any(track.identity is not None for track in self.tracks)
-
     def moving(self, pose: Floats) -> Obstacles:
         """The confirmed tracks, in the axes of the vehicle; their identities are negative."""
         confirmed = [track for track in self.tracks if track.identity is not None]
