@@ -32,25 +32,19 @@ def robust_pipeline(
         stage("keyframe", its.remember_frame, "grey"),
         common.road(),
         stage("planar_parallax", its.compare_road, "observation grey pose road"),
-        stage("triangulation", its.triangulate, "steady_flow", "points"),
+        stage("triangulation", its.static.triangulate, "steady_flow", "points"),
         stage("moving_obstacles", its.track_moving, "steady_flow points road observation", "on_moving"),
-        *(
-            [stage("crossing", its.find_crossers, "steady_flow on_moving observation", "motions crossers on_moving")]
-            if variant.crossing
-            else []
-        ),
+        stage("crossing", its.find_crossers, "steady_flow on_moving observation", "motions crossers on_moving"),
         stage("track_refinement", its.refine, "flow steady_flow points road observation", "points"),
         stage("static_obstacles", its.track_static, "steady_flow road observation points on_moving", "obstacles"),
-        *(
-            [stage("oncoming", its.find_oncoming, "points road observation crossers", "crossers")]
-            if variant.crossing
-            else []
-        ),
-        *([stage("relief", its.judge_relief, "obstacles", "relief")] if variant.crossing else []),
+        stage("oncoming", its.find_oncoming, "points road observation crossers", "crossers"),
+        stage("relief", its.static.relief, "obstacles", "relief"),
         stage("sensing_range", its.sensing_range, "observation", "low_range_m"),
         common.point_features(),
         common.mount_pitch(),
     ]
+    if variant.crossing is None:
+        stages = [one for one in stages if one.name not in ("crossing", "oncoming", "relief")]
     return Pipeline(FrameState, stages, INPUTS, FEEDBACK)
 
 
@@ -62,7 +56,7 @@ class ObstacleStages:
     ) -> None:
         camera, rate_hz = setup.camera, trackers.flow.rate_hz
         self._trackers, self._speed_reference_mps = trackers, setup.speed_reference_mps
-        self._static = StaticObstacleTracker(camera, config, rate_hz)
+        self.static = StaticObstacleTracker(camera, config, rate_hz)
         moving = variant.moving_obstacles
         self._moving = (
             MovingObstacleTracker(camera, moving, rate_hz, config.window_px, config.noise) if moving else None
@@ -82,15 +76,11 @@ class ObstacleStages:
         No road is expected where moving obstacles are by now.
         """
         view = moving = None
-        if self._static.parallax.looks and not self._trackers.flow.is_swept:
+        if self.static.parallax.looks and not self._trackers.flow.is_swept:
             view, pitch = contrast(observation.image, grey), self._trackers.pitch
             view = view if pitch is None else pitch.frame(view)
             moving = self._moving.moving(pose) if self._moving else None
-        self._static.compare_road(view, pose, road, moving, observation.speed_mps)
-
-    def triangulate(self, steady: Flow) -> Triangulation:
-        """The points of the flow, as if all of them stood still."""
-        return self._static.triangulate(steady)
+        self.static.compare_road(view, pose, road, moving, observation.speed_mps)
 
     def track_moving(
         self, steady: Flow, points: Triangulation, road: RoadEdges, observation: Observation
@@ -117,31 +107,26 @@ class ObstacleStages:
         """The points, those above the road matched again with the frame of their first observation."""
         if self._keyframes is None:
             return points
-        return self._static.refined(
-            steady, points, road, partial(self._keyframes.register, flow), observation.speed_mps
-        )
+        return self.static.refined(steady, points, road, partial(self._keyframes.register, flow), observation.speed_mps)
 
     def track_static(
         self, steady: Flow, road: RoadEdges, observation: Observation, points: Triangulation, on_moving: Bools | None
     ) -> Obstacles:
         """Static obstacles after this frame, and moving ones."""
         motion = observation.speed_mps, observation.time_s
-        static = self._static.update(steady, road, *motion, points, on_moving)
+        static = self.static.update(steady, road, *motion, points, on_moving)
         return static.concatenate(self._moving.moving(steady.pose)) if self._moving else static
 
     def find_oncoming(
         self, points: Triangulation, road: RoadEdges, observation: Observation, crossers: Crossers
     ) -> Crossers:
         """Actors that cross, and vehicles that come."""
-        return crossers.concatenate(self._static.oncoming(points, road, observation.speed_mps))
-
-    def judge_relief(self, obstacles: Obstacles) -> Floats:
-        """(K,) how obstacles stand out of the road, by planar parallax; nan of tall ones, or where it is not shown."""
-        return self._static.relief(obstacles)
+        return crossers.concatenate(self.static.oncoming(points, road, observation.speed_mps))
 
     def sensing_range(self, observation: Observation) -> LowObstacleRange:
-        """How far low obstacles are detected."""
-        now_m, best_m = self._static.low_sensing_range_m(observation.speed_mps, self._speed_reference_mps)
+        """How far low obstacles are tentative by now at this speed, and with a good view at the reference speed."""
+        sight, needed = self.static.parallax.sight, self.static.config.low_tracks.hits
+        now_m, best_m = sight.distance_m(observation.speed_mps, needed), sight.good_m(self._speed_reference_mps, needed)
         return LowObstacleRange(now_m, best_m)
 
 

@@ -112,19 +112,6 @@ class StaticObstacleTracker:
         if not wanted.all():
             points.keep(wanted)
 
-    @property
-    def needs_next_frame(self) -> bool:
-        """Whether `compare_road` uses the next frame."""
-        return self.parallax.looks
-
-    def low_sensing_range_m(self, speed_mps: float, speed_reference_mps: float) -> tuple[float, float]:
-        """m ahead of the pose up to which low obstacles are confirmed by now at that speed; 0: nowhere.
-
-        Then up to which they would be with a good view at the reference speed.
-        """
-        sight, needed = self.parallax.sight, self.config.low_tracks.hits
-        return sight.distance_m(speed_mps, needed), sight.good_m(speed_reference_mps, needed)
-
     def compare_road(
         self,
         image: Image | None,
