@@ -1,7 +1,7 @@
 """Point tracks of bodies with known places and velocities, projected while the car drives or turns."""
 
 import numpy as np
-from driver_settings import static_obstacles
+from driver_settings import ROBUST, static_obstacles
 
 from vpf_sim.geometry import project, vehicle_from_world
 from vpf_sim.perception.obstacles.point_motion import PointMotions, point_motions
@@ -41,5 +41,4 @@ def flow(points_m: Floats, velocity_mps: Floats, yaw_rate_radps: float = 0.0, no
 
 
 def motions(points: Flow) -> PointMotions:
-    config = static_obstacles()
-    return point_motions(points, CAMERA, config.window_px, config.noise)
+    return point_motions(points, CAMERA, ROBUST.flow.window_px, static_obstacles().noise)

@@ -1,21 +1,22 @@
 """Tracks of standing points as a car sees them that drives by: what landmarks are made of."""
 
 import numpy as np
-from driver_settings import static_obstacles
+from driver_settings import ROBUST, static_obstacles
 
 from vpf_sim.geometry import project, vehicle_from_world
+from vpf_sim.perception.obstacles.static_obstacle_settings import StaticObstacleConfig
 from vpf_sim.perception.obstacles.static_tracker import StaticObstacleTracker
 from vpf_sim.seeding import stream
 from vpf_sim.types import Bools, Camera, Floats, Flow, Integers, Obstacles, RoadEdges
 
 CAMERA = Camera()
 RATE_HZ, SPEED_MPS = 60.0, 5.55
-ANCHOR_FRAMES = 42
+ANCHOR_FRAMES, WINDOW_PX = 42, ROBUST.flow.window_px
 CORNER = 100.0 * np.eye(2)
 
 
-def tracker() -> StaticObstacleTracker:
-    return StaticObstacleTracker(CAMERA, static_obstacles(), RATE_HZ)
+def tracker(config: StaticObstacleConfig | None = None) -> StaticObstacleTracker:
+    return StaticObstacleTracker(CAMERA, config or static_obstacles(), RATE_HZ, WINDOW_PX)
 
 
 class Drive:

@@ -39,12 +39,6 @@ def test_the_papers_flow_and_smoothing() -> None:
         assert stages.obstacle_map.sigma_px == 320.0
 
 
-def test_flow_and_landmarks_speak_of_the_same_window() -> None:
-    robust = variant.load("robust")
-    assert robust.static_obstacles is not None
-    assert robust.static_obstacles.window_px == robust.flow.window_px
-
-
 def test_one_way_through_the_field_and_what_it_needs() -> None:
     robust, paper = variant.load("robust"), variant.load("paper")
     with pytest.raises(ValueError, match="exactly one of"):

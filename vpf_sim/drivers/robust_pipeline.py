@@ -54,16 +54,14 @@ class ObstacleStages:
     def __init__(
         self, setup: DriverSetup, variant: Variant, trackers: FrameTrackers, config: StaticObstacleConfig
     ) -> None:
-        camera, rate_hz = setup.camera, trackers.flow.rate_hz
+        camera, rate_hz, window_px = setup.camera, trackers.flow.rate_hz, variant.flow.window_px
         self._trackers, self._speed_reference_mps = trackers, setup.speed_reference_mps
-        self.static = StaticObstacleTracker(camera, config, rate_hz)
+        self.static = StaticObstacleTracker(camera, config, rate_hz, window_px)
         moving = variant.moving_obstacles
-        self._moving = (
-            MovingObstacleTracker(camera, moving, rate_hz, config.window_px, config.noise) if moving else None
-        )
+        self._moving = MovingObstacleTracker(camera, moving, rate_hz, window_px, config.noise) if moving else None
         self._crossing = CrossingDetector(camera, variant.crossing) if variant.crossing else None
-        self._point_motions = partial(point_motions, camera=camera, window_px=config.window_px, noise=config.noise)
-        self._keyframes = _keyframes(camera, variant, config, rate_hz)
+        self._point_motions = partial(point_motions, camera=camera, window_px=window_px, noise=config.noise)
+        self._keyframes = _keyframes(camera, variant, rate_hz)
 
     def remember_frame(self, grey: Image) -> None:
         """Keep the frame, for points that are compared with their first observation."""
@@ -130,8 +128,8 @@ class ObstacleStages:
         return LowObstacleRange(now_m, best_m)
 
 
-def _keyframes(camera: Camera, variant: Variant, config: StaticObstacleConfig, rate_hz: float) -> KeyframeBuffer | None:
+def _keyframes(camera: Camera, variant: Variant, rate_hz: float) -> KeyframeBuffer | None:
     """The frames of first observations, where points are compared with them."""
     if variant.flow.keyframe_s is None:
         return None
-    return KeyframeBuffer(camera, config.window_px, round(2.0 * variant.flow.keyframe_s * rate_hz))
+    return KeyframeBuffer(camera, variant.flow.window_px, round(2.0 * variant.flow.keyframe_s * rate_hz))

@@ -7,13 +7,12 @@ from typing import cast
 import numpy as np
 import pytest
 from driver_settings import optional_sections, static_obstacles, without
-from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, body, road_points, tracker
+from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, WINDOW_PX, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import vehicle_from_world, wrap_angle
 from vpf_sim.perception.obstacles.obstacle_clusters import ObstacleClusters
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation
 from vpf_sim.perception.obstacles.point_hypotheses import PointHypotheses
-from vpf_sim.perception.obstacles.static_tracker import StaticObstacleTracker
 from vpf_sim.types import Floats, Flow, RoadEdges
 
 BUMPER_M = 2.25  # ahead of the pose
@@ -69,7 +68,7 @@ OWN = [path for path in optional_sections(static_obstacles()) if "." not in path
 @pytest.mark.parametrize("path", OWN)
 def test_a_car_is_detected_with_each_mechanism_switched_off(path: str) -> None:
     drive = Drive(np.concatenate([body(30.0, 0.3, 1.8, 1.4, 14), road_points(100)]))
-    found = drive.run(StaticObstacleTracker(CAMERA, without(static_obstacles(), path), RATE_HZ), range(200))
+    found = drive.run(tracker(without(static_obstacles(), path)), range(200))
     assert len(found[-1]) == 1
 
 
@@ -93,7 +92,7 @@ class Slipping(Drive):
 def test_tracks_that_slip_are_no_obstacle(switched_off: bool, reported: bool) -> None:
     config = without(static_obstacles(), "recent_motion") if switched_off else static_obstacles()
     drive = Slipping(np.concatenate([body(30.0, 0.3, 1.8, 1.4, 14), road_points(100)]))
-    found = drive.run(StaticObstacleTracker(CAMERA, config, RATE_HZ), range(200))
+    found = drive.run(tracker(config), range(200))
     assert any(len(obstacles) for obstacles in found) == reported
 
 
@@ -146,7 +145,7 @@ def test_an_obstacle_keeps_its_identity_though_points_of_another_join_it(
 ) -> None:
     """Corners of a truck's flank are seen beside a cone: under the truck's name it would be a part of it."""
     points, one = SimpleNamespace(obstacle=np.array(before)), np.ones(len(named), np.bool_)
-    obstacles = ObstacleClusters(CAMERA, static_obstacles(), cast("PointHypotheses", points))
+    obstacles = ObstacleClusters(CAMERA, static_obstacles(), cast("PointHypotheses", points), WINDOW_PX)
     assert obstacles.identify(np.arange(len(label)), np.array(label), one, one, ~one).tolist() == named
     assert points.obstacle.tolist() == [named[k] for k in label]
 
@@ -155,7 +154,7 @@ def test_an_obstacle_keeps_its_identity_though_points_of_another_join_it(
 def test_a_badly_placed_fragment_does_not_take_the_identity(placed: bool, named: int) -> None:
     """Two of a barrier's corners, seen only from afar, seemed to stand 4 m before the car that had passed it."""
     points, both = SimpleNamespace(obstacle=np.full(6, 2)), np.ones(2, np.bool_)
-    obstacles = ObstacleClusters(CAMERA, static_obstacles(), cast("PointHypotheses", points))
+    obstacles = ObstacleClusters(CAMERA, static_obstacles(), cast("PointHypotheses", points), WINDOW_PX)
     label = np.array([0, 0, 0, 0, 1, 1])
     assert obstacles.identify(np.arange(6), label, both, np.array([False, placed]), ~both).tolist() == [2, named]
 

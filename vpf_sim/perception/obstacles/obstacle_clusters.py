@@ -28,9 +28,9 @@ NONE: Integers = np.empty(0, np.int64)
 class ObstacleClusters:
     """Groups confirmed points into obstacles, each with an identity that stays, and joins low tracks to them."""
 
-    def __init__(self, camera: Camera, config: StaticObstacleConfig, points: PointHypotheses) -> None:
+    def __init__(self, camera: Camera, config: StaticObstacleConfig, points: PointHypotheses, window_px: int) -> None:
         self._camera, self._config, self._points = camera, config, points
-        self._rim_rad = 0.5 * config.window_px / camera.fx_px
+        self._rim_rad = 0.5 * window_px / camera.fx_px
         self._next = 0
         self.fragments = NONE  # tracks of points that parted from an obstacle and are none
 

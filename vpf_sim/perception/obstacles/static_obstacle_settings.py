@@ -167,7 +167,6 @@ class StaticObstacleConfig:
     """Thresholds and time constants of the static obstacle tracker."""
 
     update_period_s: float = setting("Time between two updates of the points.", ge=0.0)
-    window_px: int = setting("Side of the flow window, for the noise of a track.", ge=0)
     min_age_s: float = setting("Least age of a track.", ge=0.0)
     chi2_limit: float = setting("Largest chi2 of a point at its own depth.", ge=0.0)
     chi2_margin: float = setting("Least excess of the chi2 of a point on the road.", ge=0.0)

@@ -30,14 +30,15 @@ class StaticObstacleTracker:
     obstacle are pruned once their tracks are lost.
     """
 
-    def __init__(self, camera: Camera, config: StaticObstacleConfig, rate_hz: float) -> None:
-        self.camera, self.config, self.rate_hz = camera, config, rate_hz
+    def __init__(self, camera: Camera, config: StaticObstacleConfig, rate_hz: float, window_px: int) -> None:
+        """`window_px` is the side of the flow's window."""
+        self.camera, self.config, self.rate_hz, self._window_px = camera, config, rate_hz, window_px
         self._schedule = Schedule(config.update_period_s, rate_hz)
         self._obstacles = self._tall = none()
         self._pose: Floats = np.zeros(3)  # of these
         self._detector = PointDetector(camera, config, rate_hz, self._schedule.rate_hz)
         self.points = PointHypotheses.none()
-        self._clusters = ObstacleClusters(camera, config, self.points)
+        self._clusters = ObstacleClusters(camera, config, self.points, window_px)
         self.parallax = PlanarParallax(camera, config.planar_parallax, rate_hz)
         next_identity, near_m = self._clusters.next_identity, config.planar_parallax.near_m
         self.low_tracks = LowObstacleTracks(config.low_tracks, next_identity, near_m, config.behind_m)
@@ -64,7 +65,7 @@ class StaticObstacleTracker:
         return self._triangulate(replace(some, first_px=some.first_px + aside_px), np.zeros(len(rows)))
 
     def _triangulate(self, flow: Flow, age_s: Floats) -> Triangulation:
-        return triangulate(flow, self.camera, self.config.window_px, age_s, self.config.noise)
+        return triangulate(flow, self.camera, self._window_px, age_s, self.config.noise)
 
     def update(
         self,
