@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from driver_settings import moving_obstacles, without
+from driver_settings import moving_obstacles
 
 from vpf_sim.perception.obstacles.moving.evidence import evidence
 from vpf_sim.perception.obstacles.moving.mirror import Reflectivity, faint_contrast, image_contrast
@@ -10,8 +10,6 @@ from vpf_sim.types import Bools, Floats
 
 CONFIG = moving_obstacles().evidence
 CONTRAST, IMAGE = CONFIG.contrast, moving_obstacles().mirror_image
-assert CONTRAST is not None
-assert IMAGE is not None
 WET = faint_contrast(1.0, 12.0, CONTRAST)
 
 
@@ -96,16 +94,6 @@ def test_without_upper_points_an_image_is_known_by_its_contrast_alone() -> None:
     assert image_contrast(1.0, np.empty(0), IMAGE) == pytest.approx(IMAGE.wet)
 
 
-def test_without_transparency_or_contrast_these_points_no_longer_reject_a_track() -> None:
-    see_through = points(8, standing=20, contrast=0.5)
-    assert evidence(*see_through, WET, CONFIG) == CONFIG.least
-    assert evidence(*see_through, WET, without(CONFIG, "transparency")) > 0.0
-    faint = points(8, contrast=-3.0)
-    assert evidence(*faint, WET, CONFIG) == CONFIG.least
-    assert evidence(*faint, WET, without(CONFIG, "contrast")) > 0.0
-
-
-def test_without_an_estimate_the_road_mirrors() -> None:
-    mirror = Reflectivity(None, 0.05)
-    mirror.update(0, 1000)
-    assert mirror.degree == 1.0
+def test_see_through_and_faint_points_reject_a_track() -> None:
+    for seen in (points(8, standing=20, contrast=0.5), points(8, contrast=-3.0)):
+        assert evidence(*seen, WET, CONFIG) == CONFIG.least

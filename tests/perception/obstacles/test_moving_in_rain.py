@@ -125,7 +125,6 @@ def test_contrast_counts_less_where_the_mirrored_object_would_stand_on_the_road(
 ) -> None:
     """A body at 18 m is the image of what stands 18 / (1 - v_b / v) m off: 39 m at 3 m/s, 105 m at 4.6, none faster."""
     images, contrast = MirrorImages(CAMERA, moving_obstacles(), 0.05), moving_obstacles().evidence.contrast
-    assert contrast is not None
     sight = Detection(18.0, speed_mps, 0.5, right_m - 1.0, right_m + 1.0)
     track = MovingTrack(sight, CAMERA, np.zeros(3), 0.0, moving_obstacles().filter)
     for image in (-1.2, -2.5):  # above and below what asphalt is
@@ -136,7 +135,6 @@ def test_contrast_counts_less_where_the_mirrored_object_would_stand_on_the_road(
 
 def test_near_tracks_are_not_compared_with_their_image() -> None:
     images, contrast = MirrorImages(CAMERA, moving_obstacles(), 0.05), moving_obstacles().evidence.contrast
-    assert contrast is not None
     near = MovingTrack(Detection(5.0, 3.0, 0.5, -1.0, 1.0), CAMERA, np.zeros(3), 0.0, moving_obstacles().filter)
     limit = images.faint(near, -2.5, SPEED_MPS, np.zeros(3), wet().road)
     assert limit == pytest.approx(faint_contrast(1.0, 5.0, contrast))

@@ -4,15 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from driver_settings import moving_obstacles, optional_sections, without
-from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, Drive, Traffic, body, road_points, tracker
+from driver_settings import moving_obstacles
+from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, WINDOW_PX, Drive, Traffic, body, road_points, tracker
 
 from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.egomotion.egomotion_settings import NoiseModel
 from vpf_sim.perception.obstacles.moving.detection import measure
 from vpf_sim.perception.obstacles.moving.merging import merged
 from vpf_sim.perception.obstacles.moving.moving_frame import Course, against
-from vpf_sim.perception.obstacles.moving.moving_obstacle_settings import MovingObstacleConfig
 from vpf_sim.perception.obstacles.moving.track import Detection, MovingTrack
 from vpf_sim.perception.obstacles.moving.tracker import MovingObstacleTracker
 from vpf_sim.seeding import stream
@@ -31,8 +30,8 @@ def vehicle(forward_m: float, right_m: float, count: int = 16, width_m: float = 
 class Seen:
     """Both obstacle trackers together, as the planner has them."""
 
-    def __init__(self, config: MovingObstacleConfig | None = None) -> None:
-        self.moving = MovingObstacleTracker(CAMERA, config or moving_obstacles(), RATE_HZ, 11, NoiseModel())
+    def __init__(self) -> None:
+        self.moving = MovingObstacleTracker(CAMERA, moving_obstacles(), RATE_HZ, WINDOW_PX, NoiseModel())
         self.static = tracker()
 
     def run(self, drive: Drive, frames: range) -> list[Obstacles]:
@@ -242,7 +241,7 @@ def test_point_tracks_older_than_a_fast_vehicle_is_in_sight_do_not_belong_to_it(
         flow = drive.flow(frame)
     course, old = Course(9.0, 0.0, 0.0), flow.age_frames > 52
     assert old.any()
-    tracks = against(flow, CAMERA, course, np.full(len(flow), 3.0), RATE_HZ, 11, NoiseModel())
+    tracks = against(flow, CAMERA, course, np.full(len(flow), 3.0), RATE_HZ, WINDOW_PX, NoiseModel())
     track = MovingTrack(Detection(3.0, 9.0, 0.5, 2.3, 4.1), CAMERA, flow.pose, 0.0, moving_obstacles().filter)
     chi2, _, change = track.fit(tracks, np.ones(len(flow)), SPEED_MPS, 3.0, np.ones(len(flow), np.bool_))
     assert np.isfinite(change)
@@ -289,11 +288,3 @@ def test_a_vehicle_seen_from_its_side_does_not_update_its_extent() -> None:
     track.update_extent((-0.15, 0.15), np.linspace(-0.2, 0.2, 9), np.full(9, 4.0), pose, 0.05)
     assert track.place(pose) == pytest.approx(before)
     assert not track.is_observed
-
-
-@pytest.mark.parametrize("path", [None, *optional_sections(moving_obstacles())])
-def test_a_car_ahead_is_tracked_with_each_mechanism_switched_off(path: str | None) -> None:
-    config = without(moving_obstacles(), path) if path else moving_obstacles()
-    last = Seen(config).run(traffic((vehicle(16.0, 0.0), 3.0)), range(round(2.0 * RATE_HZ)))[-1]
-    assert last.identity[0] == -1
-    assert last.forward_m[0] == pytest.approx(16.0 + (3.0 - SPEED_MPS) * 2.0, abs=1.5)

@@ -68,7 +68,6 @@ def candidates(
     gap = np.abs(seen.inverse_per_m[ripe] - seen.inverse_per_m[feet][:, None])
     doubt = 3.0 * np.hypot(seen.sigma_per_m[ripe], seen.sigma_per_m[feet][:, None])
     alike = inside & (gap < doubt + config.alike_ratio * np.abs(seen.inverse_per_m[feet][:, None]))
-    least_m = config.shape.least_height_m if config.shape else -np.inf
     found: list[Integers] = []
     while len(found) < most:
         good = np.count_nonzero(alike, axis=1) >= config.least_members
@@ -76,7 +75,7 @@ def candidates(
             break
         best = int(np.argmax(np.where(good, np.count_nonzero(alike, axis=1), 0)))
         mine = alike[best]
-        if float(np.ptp(seen.drop[ripe[mine]])) * float(depth[best, 0]) > least_m:
+        if float(np.ptp(seen.drop[ripe[mine]])) * float(depth[best, 0]) > config.shape.least_height_m:
             found.append(ripe[mine])
         alike = alike & ~mine
     return found

@@ -22,11 +22,9 @@ def evidence(
     odds = 0.5 * (np.minimum(standing, config.cap) - np.minimum(moving, config.cap))[inside]
     speaks = odds > config.speaks_for
     number_for, number_against = np.count_nonzero(speaks), np.count_nonzero(odds < -config.speaks_against)
-    if number_for <= (config.transparency or 0.0) * number_against:
+    if number_for <= config.transparency * number_against:
         return config.least
     other = len(odds) - number_for - number_against
-    value = 0.0
-    if config.contrast is not None:
-        value = config.contrast.weight * (quantile(contrast[inside][speaks], 0.75) - faint)
+    value = config.contrast.weight * (quantile(contrast[inside][speaks], 0.75) - faint)
     value += config.per_for * np.log1p(number_for) - config.per_against * np.log1p(number_against)
     return float(min(max(value - config.per_other * np.log1p(other), config.least), config.most))

@@ -47,8 +47,7 @@ class Sides:
         if not len(across_m):
             return 0.0
         log = self._log[:, None] - 0.5 * (GRID_M / self.sigma_m) ** 2
-        least = 0.0 if config.through is None else -config.cap
-        log += fresh * self._likelihood(across_m, np.clip(odds, least, config.cap), camera_m, depth_m)
+        log += fresh * self._likelihood(across_m, np.clip(odds, -config.cap, config.cap), camera_m, depth_m)
         weight = np.exp(log - log.max())
         weight /= weight.sum()
         place = weight.sum(axis=0)
@@ -67,12 +66,10 @@ class Sides:
         inside, size = self._silhouette(across_m[decided], camera_m, depth_m)
         span = 2.0 * (REACH_M + config.widest_m)
         own = inside * ((1.0 - config.stray) / size) + config.stray / span
-        through = 1.0 if config.through is None else config.through
-        other = (1.0 - inside) * ((1.0 - through) / (span - size)) + through / span
+        other = (1.0 - inside) * ((1.0 - config.through) / (span - size)) + config.through / span
         density = other + chance[decided, None, None] * (own - other)
-        if config.window_rad is not None:
-            crowd = (np.abs(across_m[:, None] - across_m) < config.window_rad * depth_m) @ weight
-            weight = weight / np.maximum(crowd, 1.0)
+        crowd = (np.abs(across_m[:, None] - across_m) < config.window_rad * depth_m) @ weight
+        weight = weight / np.maximum(crowd, 1.0)
         likelihood: Floats = np.tensordot(weight[decided], np.log(density), axes=1)
         return likelihood
 
@@ -83,8 +80,7 @@ class Sides:
         """
         config = self._config
         blur = config.blur_m + config.blur_rad * depth_m
-        length = config.flank_m or 0.0
-        share = length / (depth_m + length)
+        share = config.flank_m / (depth_m + config.flank_m)
         half = 0.5 * self._width_m[:, None]
         left, right = GRID_M - half, GRID_M + half
         left_side, right_side = share * np.maximum(left - camera_m, 0.0), share * np.maximum(camera_m - right, 0.0)

@@ -27,9 +27,9 @@ WET = (20.0, 50.0)  # points below the road, and all: before the first observati
 class Reflectivity:
     """How far the road mirrors, by the share of its points that lie below it and belong to no track."""
 
-    def __init__(self, config: ReflectivityConfig | None, look_s: float) -> None:
+    def __init__(self, config: ReflectivityConfig, look_s: float) -> None:
         self._config = config
-        self._kept = exp(-look_s / config.memory_s) if config else 0.0
+        self._kept = exp(-look_s / config.memory_s)
         self._below, self._all = WET
 
     def update(self, below: int, count: int) -> None:
@@ -41,8 +41,6 @@ class Reflectivity:
     @property
     def degree(self) -> float:
         """0 on a dry road, 1 on a wet one."""
-        if self._config is None:
-            return 1.0
         dry, wet = self._config.dry_share, self._config.wet_share
         return min(max((self._below / max(self._all, 1.0) - dry) / (wet - dry), 0.0), 1.0)
 
@@ -75,25 +73,23 @@ class MirrorImages:
     def own_image(self, seen: MeasuredPoints, within: Integers, depth_m: float) -> float:
         """Contrast of the mirror image of a vehicle with the points `within` its outline; -inf: no image."""
         config = self._config
-        if config.mirror_image is None or depth_m < config.steep_m:
+        if depth_m < config.steep_m:
             return -np.inf
         height = self._camera.height_m - seen.drop[within] * depth_m
         upper = within[(height > config.mirror_image.above_m) & (height < config.evidence.high_m)]
         return image_contrast(self.reflectivity.degree, seen.contrast[upper], config.mirror_image)
 
     def faint(self, track: MovingTrack, image: float, own_mps: float, pose: Floats, road: RoadEdges) -> float:
-        """The contrast below which points speak against a track; -inf without contrast evidence.
+        """The contrast below which points speak against a track.
 
         Hardly anything stands on the road, so where the mirrored object would stand there, the limit is that of the
         own `image`, or of asphalt.
         """
         config, contrast = self._config, self._config.evidence.contrast
-        if contrast is None:
-            return -np.inf
         forward, right = track.place(pose)
         depth, mirrored_m = forward - self._camera.forward_m, config.mirrored_place_m
         share = track.closing_share(own_mps)  # of the track's depth in that of the mirrored object
-        is_known = mirrored_m is not None and depth > config.steep_m and share * mirrored_m > depth
+        is_known = depth > config.steep_m and share * mirrored_m > depth
         if is_known and is_on_carriageway(
             self._camera.forward_m + depth / share, right / share, road, config.edge_margin_m
         ):

@@ -1,4 +1,4 @@
-"""Settings of the moving-object tracker. A section that may be None is a mechanism that a variant can switch off."""
+"""Settings of the moving-object tracker."""
 
 from vpf_sim.configuration import setting, settings
 
@@ -19,13 +19,9 @@ class ExtentConfig:
     least_sigma_m: float = setting("Standard deviation of the middle of a well observed vehicle.", gt=0.0)
     drift_mps: float = setting("Noise of the middle across the course, over a second.", ge=0.0)
     cap: float = setting("Largest log-odds of one point.", gt=0.0)
-    flank_m: float | None = setting("Length of the side turned to the camera; none: no flank.", default=None, gt=0.0)
-    through: float | None = setting(
-        "Share of the background that is visible within the outline; none: no bound.", default=None, gt=0.0
-    )
-    window_rad: float | None = setting(
-        "Angle across below which points count as one; none: all count.", default=None, gt=0.0
-    )
+    flank_m: float = setting("Length of the side turned to the camera.", gt=0.0)
+    through: float = setting("Share of the background that is visible within the outline.", gt=0.0)
+    window_rad: float = setting("Angle across below which points count as one.", gt=0.0)
 
 
 @settings
@@ -48,11 +44,9 @@ class FilterConfig:
     side_s: float = setting("Time constant of the observed width.", gt=0.0)
     nearest_m: float = setting("Range from which the sides are observed.", gt=0.0)
     chi2_limit: float = setting("Largest chi2 of a point track that fits a hypothesis.", gt=0.0)
-    hidden_foot: float | None = setting("Factor of a foot's sigma beyond a confirmed face.", default=None, ge=1.0)
-    memory_s: float | None = setting(
-        "Time within which observations of the same points count once.", default=None, gt=0.0
-    )
-    extent: ExtentConfig | None = setting("Filter of middle and width; none: a low-pass of the sides.", default=None)
+    hidden_foot: float = setting("Factor of a foot's sigma beyond a confirmed face.", ge=1.0)
+    memory_s: float = setting("Time within which observations of the same points count once.", gt=0.0)
+    extent: ExtentConfig = setting("Filter of middle and width.")
 
 
 @settings
@@ -81,10 +75,8 @@ class EvidenceConfig:
     per_other: float = setting("Log-odds per ln(1 + number of undecided points).", ge=0.0)
     least: float = setting("Least log-odds of one observation, as without an upright face.", lt=0.0)
     most: float = setting("Largest log-odds of one observation.", gt=0.0)
-    transparency: float | None = setting("Least ratio of points for the track to those against.", default=None, gt=0.0)
-    contrast: ContrastConfig | None = setting(
-        "Counts faint points, as of mirror images, against a track.", default=None
-    )
+    transparency: float = setting("Least ratio of points for the track to those against.", gt=0.0)
+    contrast: ContrastConfig = setting("Counts faint points, as of mirror images, against a track.")
 
 
 @settings
@@ -181,18 +173,10 @@ class MovingObstacleConfig:
     filter: FilterConfig = setting("Filter of a track's state.")
     evidence: EvidenceConfig = setting("Evidence of one observation.")
     merging: MergingConfig = setting("Merging of several tracks of one vehicle.")
-    prior: float | None = setting("Log-odds of a new track; none: even odds.", default=None, le=0.0)
-    decay_per_s: float | None = setting("Log-odds lost while a track cannot be observed.", default=None, ge=0.0)
-    mask: float | None = setting(
-        "Log-odds from which the points of a track are not used for static obstacles.", default=None
-    )
-    mirrored_place_m: float | None = setting(
-        "Range of the road on which a mirrored object stands.", default=None, gt=0.0
-    )
-    reflectivity: ReflectivityConfig | None = setting(
-        "Estimate of how far the road mirrors; none: it always mirrors.", default=None
-    )
-    mirror_image: MirrorImageConfig | None = setting(
-        "Rejects points as faint as a vehicle's own mirror image.", default=None
-    )
-    shape: ShapeConfig | None = setting("Lets only an upright face as wide as a vehicle support a track.", default=None)
+    prior: float = setting("Log-odds of a new track.", le=0.0)
+    decay_per_s: float = setting("Log-odds lost while a track cannot be observed.", ge=0.0)
+    mask: float = setting("Log-odds from which the points of a track are not used for static obstacles.")
+    mirrored_place_m: float = setting("Range of the road on which a mirrored object stands.", gt=0.0)
+    reflectivity: ReflectivityConfig = setting("Estimate of how far the road mirrors.")
+    mirror_image: MirrorImageConfig = setting("Rejects points as faint as a vehicle's own mirror image.")
+    shape: ShapeConfig = setting("Lets only an upright face as wide as a vehicle support a track.")

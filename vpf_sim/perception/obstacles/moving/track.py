@@ -50,7 +50,7 @@ class MovingTrack:
         self.tracks = np.empty(0, np.int64)  # identities of its points at the last observation
         self.course = Course(detection.speed_mps, float(pose[2]), 0.0)
         self._predicted_s = 0.0  # since its sides were observed
-        self._sides = Sides(config.extent) if config.extent else None
+        self._sides = Sides(config.extent)
 
     def predict(self, dt_s: float, direction_rad: float, curvature_per_m: float) -> None:
         """Predict along the road, whose direction in the world and curvature are those at the track."""
@@ -64,8 +64,7 @@ class MovingTrack:
         )
         self.course = Course(self.speed_mps, direction_rad, curvature_per_m)
         self._predicted_s += dt_s
-        if self._sides is not None:
-            self._sides.predict(dt_s)
+        self._sides.predict(dt_s)
 
     def place(self, pose: Floats) -> tuple[float, float]:
         """Forward m of the face and right m of its middle, in the axes of the vehicle at `pose`."""
@@ -83,7 +82,7 @@ class MovingTrack:
     @property
     def half_m(self) -> float:
         """m, half its width."""
-        return self._sides.half_m if self._sides is not None else 0.5 * self.width_m
+        return self._sides.half_m
 
     @property
     def is_observed(self) -> bool:
@@ -122,7 +121,7 @@ class MovingTrack:
 
     def _fresh(self, dt_s: float) -> float:
         """The weight of an observation `dt_s` after the last, 1: independent of it."""
-        return min(dt_s / self._config.memory_s, 1.0) if self._config.memory_s else 1.0
+        return min(dt_s / self._config.memory_s, 1.0)
 
     def update_speed(self, change_mps: float, count: int, dt_s: float) -> None:
         """Update the speed at the current range by `count` point tracks of the face."""
@@ -142,7 +141,7 @@ class MovingTrack:
         forward, right = self.place(pose)
         depth = forward - self._camera.forward_m
         sigma = foot_m * (config.foot_ratio + config.foot_px * foot_m / (self._camera.fy_px * self._camera.height_m))
-        if config.hidden_foot is not None and foot_m > depth and self.identity is not None:
+        if foot_m > depth and self.identity is not None:
             sigma *= config.hidden_foot
         fresh = self._fresh(dt_s)
         variance = self.sigma_m**2 + sigma**2 / fresh
@@ -170,12 +169,9 @@ class MovingTrack:
         if not len(bearing) or -camera[0] < max(config.nearest_m, abs(camera[1])):
             return
         self._predicted_s = 0.0
-        if self._sides is None:
-            change = newest * (0.5 * (face[0] + face[1]) * depth - right)
-        else:
-            ray = np.stack([np.ones(len(bearing)), bearing], axis=1) @ own
-            across = camera[1] - camera[0] * ray[:, 1] / np.maximum(ray[:, 0], LEAST_SLOPE)
-            change = self._sides.update(across, odds, float(camera[1]), -float(camera[0]), self._fresh(dt_s))
+        ray = np.stack([np.ones(len(bearing)), bearing], axis=1) @ own
+        across = camera[1] - camera[0] * ray[:, 1] / np.maximum(ray[:, 0], LEAST_SLOPE)
+        change = self._sides.update(across, odds, float(camera[1]), -float(camera[0]), self._fresh(dt_s))
         self._place_m = world_from_vehicle(np.array([forward, right]) + change * own[:, 1], pose)
 
 

@@ -110,7 +110,7 @@ class MovingObstacleTracker:
                 free &= ~within  # two vehicles do not stand in one place
             if track.identity is not None and track.is_observed:  # nor is the farther seen through the nearer
                 taken |= mine | self._outline(track, seen, pose, 0.0)
-            if config.mask is not None and track.log_odds > config.mask:
+            if track.log_odds > config.mask:
                 masked |= (mine | within) & seen.ripe
         self._masked = flow.identity[masked]
         self.tracks = merged(self.tracks, pose, config)
@@ -191,8 +191,6 @@ class MovingObstacleTracker:
 
     def _decay(self, track: MovingTrack, dt_s: float) -> None:
         """Lower the confidence of a track that cannot be observed."""
-        if self.config.decay_per_s is None:
-            return
         track.log_odds -= self.config.decay_per_s * dt_s
         if track.identity is None:
             track.log_odds = -np.inf
@@ -230,10 +228,9 @@ class MovingObstacleTracker:
         inside = (height > config.evidence.low_m) & (height < config.evidence.high_m)
         inside &= np.abs(across) < track.half_m + OVERLAP_M
         is_vehicle = bool(np.count_nonzero(face & inside) >= config.least_members)
-        if config.shape is not None:
-            low, high = np.min(height[face]), np.max(height[face])
-            is_vehicle &= bool(low < config.shape.foot_m and high - low > config.shape.least_height_m)
-            is_vehicle &= track.width_m > config.shape.least_width_m
+        low, high = np.min(height[face]), np.max(height[face])
+        is_vehicle &= bool(low < config.shape.foot_m and high - low > config.shape.least_height_m)
+        is_vehicle &= track.width_m > config.shape.least_width_m
         return inside if is_vehicle else None
 
     def _confirm(self) -> None:
@@ -269,7 +266,7 @@ class MovingObstacleTracker:
                 continue
             found = detect(seen, members, self.camera, config)
             if self._is_plausible(found):
-                track = MovingTrack(found, self.camera, frame.flow.pose, config.prior or 0.0, config.filter)
+                track = MovingTrack(found, self.camera, frame.flow.pose, config.prior, config.filter)
                 self.tracks.append(track)
 
     def _is_plausible(self, found: Detection) -> bool:
