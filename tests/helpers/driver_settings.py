@@ -1,4 +1,4 @@
-"""Settings of the installed variants, for tests of single stages, and the same with one mechanism switched off."""
+"""Settings of the installed variants, for tests of single stages."""
 
 import dataclasses
 from collections.abc import Iterator
@@ -59,10 +59,3 @@ def optional_sections(config: Any) -> Iterator[str]:
     """The dotted paths of the sections and values that may be None and are not, at any depth."""
     paths = [path for path, one in walk(type(config)) if NoneType in get_args(one.hint) and "[]" not in path]
     return (path for path in paths if section_of(config, path) is not None)
-
-
-def without(config: Config, path: str) -> Config:
-    """The configuration with the section at a dotted path switched off."""
-    key, _, rest = path.partition(".")
-    inner = without(getattr(config, key), rest) if rest else None
-    return dataclasses.replace(config, **{key: inner})  # type: ignore[type-var]

@@ -25,10 +25,10 @@ def tracks(
     return LowObstacleTracks(config, number, near_m, static_obstacles().behind_m)
 
 
-def recorded(places_m: list[float], speed_mps: float = SPEED_MPS, config: LowTrackConfig = TRACKS) -> list[Obstacles]:
+def recorded(places_m: list[float], speed_mps: float = SPEED_MPS) -> list[Obstacles]:
     """Confirmed tracks after each observation so far ahead, one each 0.1 s, straight on."""
     numbers = iter(range(5))
-    book, found = tracks(config, lambda: next(numbers)), []
+    book, found = tracks(TRACKS, lambda: next(numbers)), []
     for k, place in enumerate(places_m):
         pose = np.array([k * speed_mps / LOOKS_HZ, 0.0, 0.0])
         book.record([LowObservation(place, -0.4, 0.4, GAIN)] if np.isfinite(place) else [], pose)
@@ -77,10 +77,6 @@ def test_a_track_that_approaches_by_less_than_the_way_is_a_mirror_image(height_m
         pose = np.array([way, 0.0, 0.0])
         book.record([LowObservation(0.8 + share * (14.0 / share - way), -0.4, 0.4, GAIN)], pose)
     assert (len(book.bodies(pose)) > 0) == confirmed
-
-
-def test_without_the_approach_rule_a_drop_is_confirmed() -> None:
-    assert len(recorded([8.0] * 40, 1.0, replace(TRACKS, approach_share=None))[-1]) == 1
 
 
 @pytest.mark.parametrize(("gain", "looks"), [(6.0, 6), (12.0, 3), (60.0, 2)])

@@ -3,12 +3,11 @@
 import cv2
 import numpy as np
 import pytest
-from driver_settings import optional_sections, static_obstacles, without
+from driver_settings import static_obstacles
 from plated_road import CAMERA, PLATE_M, frame
 
 from vpf_sim.geometry import rotation
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation, PlanarParallax
-from vpf_sim.perception.obstacles.planar_parallax.low_obstacle_settings import ParallaxConfig
 from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks
 from vpf_sim.perception.road.occlusion import footprints
 from vpf_sim.perception.road.road_settings import OcclusionConfig
@@ -30,11 +29,9 @@ def in_rain(image: Image, look: int) -> Image:
     return wet
 
 
-def looks(
-    height_m: float, turn_rad: float = 0.0, rain: bool = False, config: ParallaxConfig = CONFIG
-) -> list[tuple[Floats, list[LowObservation]]]:
+def looks(height_m: float, turn_rad: float = 0.0, rain: bool = False) -> list[tuple[Floats, list[LowObservation]]]:
     """Poses and observations on the way to 6.5 m before the plate; all poses turned about the origin."""
-    residual, found = PlanarParallax(CAMERA, config, LOOKS_HZ), []
+    residual, found = PlanarParallax(CAMERA, CONFIG, LOOKS_HZ), []
     for look, forward in enumerate(np.arange(10.0, PLATE_M[0, 0] - BUMPER_M - 6.5, SPEED_MPS / LOOKS_HZ).tolist()):
         pose = np.array([*(rotation(turn_rad) @ np.array([forward, 0.0])), turn_rad])
         image = frame(forward, height_m)
@@ -146,13 +143,3 @@ def test_an_observation_waits_while_the_wiper_hides_the_road() -> None:
         looked += [index] if residual.looks and not hidden else []
         residual.update(None if hidden else image, np.zeros(3))
     assert looked == [0, 9, 15, 21]
-
-
-@pytest.mark.parametrize("path", list(optional_sections(CONFIG)))
-def test_a_plate_is_detected_with_each_mechanism_of_the_detector_switched_off(path: str) -> None:
-    found = [
-        PLATE_M[0, 0] - pose[0] - one.forward_m
-        for pose, observations in looks(0.15, config=without(CONFIG, path))
-        for one in observations
-    ]
-    assert np.count_nonzero(np.abs(found) < 2.0) >= 3

@@ -50,10 +50,8 @@ def corrected_front(points: ObstaclePoints, label: Integers, count: int) -> tupl
     return front(replace(points, place_m=np.stack([forward, points.place_m[:, 1]], axis=1)), label, count)
 
 
-def sides(
-    points: ObstaclePoints, label: Integers, face_m: Floats, config: SharpestConfig | None
-) -> tuple[Floats, Floats]:
-    """(K,) m, left and right side of each obstacle, from the points seen from nearest; with no `config`, from all.
+def sides(points: ObstaclePoints, label: Integers, face_m: Floats, config: SharpestConfig) -> tuple[Floats, Floats]:
+    """(K,) m, left and right side of each obstacle, from the points seen from nearest.
 
     The far side ends with the face: points beside it farther away slide along that edge.
     """
@@ -65,15 +63,12 @@ def sides(
     return np.minimum(left, right), np.maximum(left, right)  # crossed where all points lie behind the face
 
 
-def _reach(outward_m: Floats, blur_m: Floats, label: Integers, count: int, config: SharpestConfig | None) -> Floats:
+def _reach(outward_m: Floats, blur_m: Floats, label: Integers, count: int, config: SharpestConfig) -> Floats:
     """(K,) m, how far out each obstacle reaches by its points (M,), each of which may be `blur_m` too far out.
 
     An edge carries points beside it along, so observations from nearer define it better.
     """
     reach = np.full(count, -np.inf)
-    if config is None:
-        np.maximum.at(reach, label, outward_m)
-        return reach
     order = np.lexsort((blur_m, label))
     first = np.searchsorted(label[order], np.arange(count + 1))
     best = blur_m[order][np.minimum(first[:-1] + config.points, first[1:]) - 1]

@@ -53,11 +53,9 @@ class ObstacleClusters:
         found = tall
         if low is not None:
             flat = self._flat(tall, pose, road, low, range_factor)
-            if low.parallax is not None:
-                flat = widen_to_tracks(flat, tracks, low.parallax.along_m, low.beside_m)
+            flat = widen_to_tracks(flat, tracks, low.parallax.along_m, low.beside_m)
             flat = widen(flat, config.low_tracks.least_width_m)
-            if low.on_top is not None:
-                found = extend_by_low(tall, flat, low.on_top.before_m, behind_m)
+            found = extend_by_low(tall, flat, low.on_top.before_m, behind_m)
             sticks_out_m = np.minimum(low.sticks_out_m, low.sticks_out_share * found.width_m)
             found = join(found, flat, low.beside_m, sticks_out_m, low.before_m, behind_m)
         return tall, join(found, tracks, alone.beside_m, alone.sticks_out_m, alone.before_m, behind_m)
@@ -74,9 +72,8 @@ class ObstacleClusters:
         if not chosen.any():
             return none()
         place = vehicle_from_world(points.place_m, pose)
-        if low.part is not None:
-            parts = points.confirmed & ~points.low & (points.obstacle >= 0)
-            chosen[chosen] = ~belongs_to(place[chosen], place[parts], points.obstacle[parts], tall, low.part)
+        parts = points.confirmed & ~points.low & (points.obstacle >= 0)
+        chosen[chosen] = ~belongs_to(place[chosen], place[parts], points.obstacle[parts], tall, low.part)
         fresh = chosen & (points.obstacle < 0)
         chosen[fresh] = off_lines(self._camera, place[fresh], road, low)
         return self._of_points(chosen, low, partial(self._are_low, low), pose, road, range_factor)
@@ -105,9 +102,7 @@ class ObstacleClusters:
         seen, count = ObstaclePoints(place, sigma, sight, rim), len(accepted)
         angle, apart = extent.direction_at(seen, label, count, road), np.zeros(count, np.bool_)
         along = extent.rotate(seen, angle[label])
-        behind = np.zeros(len(rows), np.bool_)
-        if config.split:
-            behind = extent.is_behind(along, label, count, config.split, config.sure_sigmas)
+        behind = extent.is_behind(along, label, count, config.split, config.sure_sigmas)
         if behind.any():
             groups = np.full(len(rows), -1)
             groups[behind] = near(place[behind], sigma[behind])
@@ -145,7 +140,7 @@ class ObstacleClusters:
         obstacle would count as width.
         """
         points, config, count = self._points, self._config, len(accepted)
-        face, face_sigma = (extent.corrected_front if config.face_correction else extent.front)(seen, label, count)
+        face, face_sigma = extent.corrected_front(seen, label, count)
         placed = (face_sigma < config.face_sigma_m) & (face < reported_m)
         identity = self.identify(rows, label, accepted, placed, apart)
         accepted = accepted & (identity >= 0)
@@ -153,9 +148,7 @@ class ObstacleClusters:
         face, left, right = extent.rotate_back(face, *across, angle)
         ahead = face - self._camera.forward_m
         part_of, support = np.where(accepted & ~apart, identity, -1), np.bincount(label)
-        no_obstacle = np.zeros(count, np.bool_)
-        if config.fragment:
-            no_obstacle |= extent.fragments(ahead, left, right, angle, part_of, support, config.fragment)
+        no_obstacle = extent.fragments(ahead, left, right, angle, part_of, support, config.fragment)
         self.fragments = np.concatenate([self.fragments, points.identity[rows[no_obstacle[label]]]])
         k = np.flatnonzero(accepted & ~no_obstacle)
         return Obstacles(face[k], left[k], right[k], face_sigma[k], np.full(len(k), np.inf), identity[k])

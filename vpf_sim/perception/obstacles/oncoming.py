@@ -30,7 +30,7 @@ def come_towards(
 ) -> Bools:
     """(n,) which of the points `tall` (n,), in the own lanes, are of traffic in the lanes of the other direction."""
     oncoming = config.oncoming
-    if oncoming is None or not road.oncoming_m or not len(tall):
+    if not road.oncoming_m or not len(tall):
         return np.zeros(len(tall), np.bool_)
     depth, right = points.depth_m[tall], points.right_m[tall]
     sure = (points.chi2 < config.chi2_limit) & (points.sigma_m < config.depth_ratio * points.depth_m)

@@ -21,8 +21,7 @@ class PointDetector:
     def __init__(self, camera: Camera, config: StaticObstacleConfig, rate_hz: float, update_hz: float) -> None:
         """`rate_hz` of the flow's frames, `update_hz` of those that are passed to `observe`."""
         self._camera, self._config, self._rate_hz = camera, config, rate_hz
-        looming = config.looming_consistency
-        self._looming = LoomingConsistency(looming, update_hz) if looming else None
+        self._looming = LoomingConsistency(config.looming_consistency, update_hz)
         self.coming: Integers = np.empty(0, np.int64)  # rows of the last frame's points of oncoming traffic
 
     def observe(
@@ -32,8 +31,7 @@ class PointDetector:
 
         `range_factor` is that of `StaticObstacleConfig`.
         """
-        if self._looming is not None:
-            self._looming.record(flow)
+        self._looming.record(flow)
         texture, _ = eigenvalues(flow.structure)
         tall = self._are_tall(flow, points, road, range_factor * self._config.far_m)
         low = self._are_low(flow, points, texture, road) & ~tall
@@ -59,8 +57,7 @@ class PointDetector:
         with np.errstate(invalid="ignore", divide="ignore"):
             above = (depth > config.near_m) & (depth < far_m)
             above &= flow.age_frames >= frames(config.min_age_s, self._rate_hz)
-            if config.travel_share is not None:
-                above &= np.hypot(*(flow.pose[:2] - flow.first_pose[:, :2]).T) > config.travel_share * depth
+            above &= np.hypot(*(flow.pose[:2] - flow.first_pose[:, :2]).T) > config.travel_share * depth
             above &= points.sigma_m / depth < config.depth_ratio
             above &= (points.chi2 < config.chi2_limit) & (points.chi2_ground - points.chi2 > config.chi2_margin)
             above &= points.height_m > config.min_height_m + 2.0 * points.height_sigma_m
@@ -79,7 +76,7 @@ class PointDetector:
         """Which rows are far away and move; only points before far road may be."""
         far = np.zeros(len(rows), np.bool_)
         high = np.flatnonzero(self._before_far_road(flow.points_px[rows]))
-        if len(high) and self._looming is not None:
+        if len(high):
             far[high] = self._looming.keeps_together(rows[high], 1.0 / points.depth_m[rows[high]])
         return far
 
@@ -107,7 +104,7 @@ class PointDetector:
     def _moving_as_placed(self, flow: Flow, points: Triangulation, rows: Integers) -> Bools:
         """(N,) those rows whose last motion fits the place by the whole track: others slipped to something else."""
         config, found = self._config.recent_motion, np.zeros(len(flow), np.bool_)
-        if config is not None and len(rows):
+        if len(rows):
             depth = points.depth_m[rows]
             place = np.stack([self._camera.forward_m + depth, points.right_m[rows], points.height_m[rows]], axis=1)
             before = flow.points_px[rows] - flow.displacement_px[rows]
@@ -121,15 +118,11 @@ class PointDetector:
     ) -> Floats:
         """(M,) from 0 to 1, how far each of the rows may begin an obstacle."""
         config, points_px = self._config, flow.points_px[rows]
-        weight: Floats = np.ones(len(rows))
-        if config.far_road:
-            corner = is_corner(flow.structure[rows], config.corner_texture, config.corner_ratio)
-            weight = np.where(self._before_far_road(points_px), config.far_road.share * corner, 1.0)
-        if config.seed_texture is not None:
-            weight[texture[rows] <= config.seed_texture] = 0.0
-        if config.dash_seed:
-            far = points.depth_m[rows] > config.precise_m
-            slides = np.flatnonzero(far & (points.height_m[rows] < config.dash_seed.height_m))
-            if len(slides):
-                weight[slides] *= self._off_lines(points_px[slides], road)
+        corner = is_corner(flow.structure[rows], config.corner_texture, config.corner_ratio)
+        weight = np.where(self._before_far_road(points_px), config.far_road.share * corner, 1.0)
+        weight[texture[rows] <= config.seed_texture] = 0.0
+        far = points.depth_m[rows] > config.precise_m
+        slides = np.flatnonzero(far & (points.height_m[rows] < config.dash_seed.height_m))
+        if len(slides):
+            weight[slides] *= self._off_lines(points_px[slides], road)
         return weight

@@ -1,14 +1,9 @@
-"""Settings of static obstacles and the collision alarm. A section that may be None can be switched off."""
+"""Settings of static obstacles."""
 
 from vpf_sim.configuration import setting, settings
 from vpf_sim.perception.egomotion.egomotion_settings import NoiseModel
 from vpf_sim.perception.obstacles.planar_parallax.low_obstacle_settings import LowTrackConfig, ParallaxConfig
 from vpf_sim.perception.road.road_settings import OcclusionConfig
-
-
-@settings
-class Switch:
-    """A mechanism without settings."""
 
 
 @settings
@@ -112,11 +107,9 @@ class LowObstacleConfig:
     )
     sticks_out_share: float = setting("Share of a narrow obstacle's width by which points stick out beside it.", gt=0.0)
     before_m: float = setting("Distance before a taller obstacle's face at which points stick out.", ge=0.0)
-    part: NearbyConfig | None = setting("Counts points beside a taller obstacle as a part of it.", default=None)
-    on_top: OnTopConfig | None = setting(
-        "Takes a narrower taller obstacle for the upper edge of a low one.", default=None
-    )
-    parallax: ParallaxMatchConfig | None = setting("Takes the width of low points from planar parallax.", default=None)
+    part: NearbyConfig = setting("Counts points beside a taller obstacle as a part of it.")
+    on_top: OnTopConfig = setting("Takes a narrower taller obstacle for the upper edge of a low one.")
+    parallax: ParallaxMatchConfig = setting("Takes the width of low points from planar parallax.")
 
 
 @settings
@@ -209,33 +202,24 @@ class StaticObstacleConfig:
     behind_m: float = setting("Distance behind the car at which an obstacle is pruned.", ge=0.0)
     low_tracks: LowTrackConfig = setting("Tracks of low obstacles.")
     planar_parallax: ParallaxConfig = setting("Detects low obstacles by planar parallax.")
+    looming_consistency: LoomingConsistencyConfig = setting("Rejects points that expand too little.")
+    track_refinement: RefinementConfig = setting("Matches points again with their first frame.")
+    far_road: FarRoadConfig = setting("Gives points before far road less seed weight.")
+    dash_seed: DashSeedConfig = setting("Takes no low points on far lines as seeds.")
+    seed_texture: float = setting(
+        "Least texture of a seed (small eigenvalue, grey levels^2 / px^2), since edges of puddles slide.", gt=0.0
+    )
+    travel_share: float = setting(
+        "Least distance travelled since a point's first observation, as a share of its depth: drops seem near.", gt=0.0
+    )
+    recent_motion: RecentMotionConfig = setting("Requires that a point's last motion fits its place.")
+    oncoming: OncomingConfig = setting("Leaves out points of oncoming traffic.")
+    split: SplitConfig = setting("Splits off points behind and beside an obstacle as another one.")
+    fragment: FragmentConfig = setting("Drops fragments behind an obstacle.")
+    sharpest: SharpestConfig = setting("Takes the sides from the points observed from nearest.")
     noise: NoiseModel = setting("Noise of the point tracks.", default_factory=NoiseModel)
     occlusion: OcclusionConfig = setting("Regions that obstacles occlude.", default_factory=OcclusionConfig)
     low_obstacles: LowObstacleConfig | None = setting("Detects low obstacles by several low points.", default=None)
-    looming_consistency: LoomingConsistencyConfig | None = setting(
-        "Rejects points that expand too little.", default=None
-    )
-    track_refinement: RefinementConfig | None = setting("Matches points again with their first frame.", default=None)
-    far_road: FarRoadConfig | None = setting("Gives points before far road less seed weight.", default=None)
-    dash_seed: DashSeedConfig | None = setting("Takes no low points on far lines as seeds.", default=None)
-    seed_texture: float | None = setting(
-        "Least texture of a seed (small eigenvalue, grey levels^2 / px^2), since edges of puddles slide.",
-        default=None,
-        gt=0.0,
-    )
-    travel_share: float | None = setting(
-        "Least distance travelled since a point's first observation, as a share of its depth: drops seem near.",
-        default=None,
-        gt=0.0,
-    )
-    recent_motion: RecentMotionConfig | None = setting(
-        "Requires that a point's last motion fits its place.", default=None
-    )
-    oncoming: OncomingConfig | None = setting("Leaves out points of oncoming traffic.", default=None)
-    split: SplitConfig | None = setting("Splits off points behind and beside an obstacle as another one.", default=None)
-    fragment: FragmentConfig | None = setting("Drops fragments behind an obstacle.", default=None)
-    sharpest: SharpestConfig | None = setting("Takes the sides from the points observed from nearest.", default=None)
-    face_correction: Switch | None = setting("Corrects faces for errors of depth.", default=None)
 
     def range_factor(self, speed_mps: float) -> float:
         """The factor by which `reported_m` and what depends on it grow at a speed, at least 1.

@@ -52,8 +52,6 @@ class StaticObstacleTracker:
     ) -> Triangulation:
         """The same, those that may be above the road matched with the frame of their first observation."""
         config = self.config.track_refinement
-        if config is None:
-            return points
         rows = candidates(points, road, self.camera, config, self.config.range_factor(speed_mps))
         if not len(rows):
             return points
@@ -101,7 +99,7 @@ class StaticObstacleTracker:
     def oncoming(self, points: Triangulation, road: RoadEdges, speed_mps: float) -> Crossers:
         """Oncoming vehicles by the points of the last update."""
         rows, config = self._detector.coming, self.config.oncoming
-        if config is None or not len(rows) or rows[-1] >= len(points.depth_m):
+        if not len(rows) or rows[-1] >= len(points.depth_m):
             return nobody()
         return oncoming_vehicles(points, rows, road, self.camera, config, speed_mps)
 

@@ -76,7 +76,7 @@ class PlanarParallax:
         self._window = odd_cells(config.window_m, config.cell_m)
         border = round(config.border_m / config.cell_m)
         self._columns = slice(border, len(self._right_m) - border)
-        self._average = TemporalAverage(config.temporal_average.newest) if config.temporal_average else None
+        self._average = TemporalAverage(config.temporal_average.newest)
         self.sight = SensingRange(config.sensing_range, config.near_m, self._period_frames / rate_hz)
 
     @property
@@ -153,8 +153,7 @@ class PlanarParallax:
         noise = self._record_quality(road, free, older.pose, pose)
         self._last = _Comparison(now, older, pose, road, noise)
         if float(road.max()) < config.least_gain * noise:
-            if self._average is not None:
-                self._average.fade()
+            self._average.fade()
             return []
         others = [self._difference(now, older, pose, height) for height in config.above_m]
         above = np.minimum.reduce([change for change, _ in others])
@@ -163,9 +162,7 @@ class PlanarParallax:
             seen &= ~self._covered(footprints)
         weight = np.asarray(seen / np.float32(noise), np.float32)
         grids = [weight * grid for grid in (road, above)]
-        if self._average is not None:
-            grids = self._average.add(grids, pose, self._between_grids)
-        return self._observations(seen, *grids)
+        return self._observations(seen, *self._average.add(grids, pose, self._between_grids))
 
     def _record_quality(self, road: Singles, free: Singles, older_pose: Floats, pose: Floats) -> float:
         """Squared grey levels, the noise of an observation, by its differences as `road` and the `free` shares."""
@@ -206,9 +203,8 @@ class PlanarParallax:
         hidden = cv2.bitwise_or(outside, self._outside[: self._rows])
         free = np.asarray(hidden[:, self._columns] == 0, np.float32)
         change = (now - cv2.blur(moved.astype(np.float32), (3, 3))[:, self._columns]) * free
-        if self.config.high_pass is not None:
-            window = odd_cells(self.config.high_pass.window_m, self.config.cell_m)
-            change -= free * cv2.blur(change, window) / np.maximum(cv2.blur(free, window), np.float32(0.05))
+        window = odd_cells(self.config.high_pass.window_m, self.config.cell_m)
+        change -= free * cv2.blur(change, window) / np.maximum(cv2.blur(free, window), np.float32(0.05))
         share: Singles = np.maximum(self._mean(free), np.float32(0.05))
         summed: Singles = self._mean(change * change) / share
         return summed, share

@@ -1,4 +1,4 @@
-"""Settings of planar parallax and of its tracks. A section that may be None is a mechanism that can be switched off."""
+"""Settings of planar parallax and of its tracks."""
 
 from vpf_sim.configuration import setting, settings
 
@@ -68,10 +68,8 @@ class ParallaxConfig:
     outline_gain: float = setting("Least difference of an object's outline, in multiples of the noise.", gt=0.0)
     least_seen: float = setting("Share of a window that is not masked.", gt=0.0, le=1.0)
     sensing_range: SensingRangeConfig = setting("Estimates the sensing range of low obstacles.")
-    high_pass: HighPassConfig | None = setting("Removes long changes, as of mirror images.", default=None)
-    temporal_average: TemporalAverageConfig | None = setting(
-        "Averages the differences over observations.", default=None
-    )
+    high_pass: HighPassConfig = setting("Removes long changes, as of mirror images.")
+    temporal_average: TemporalAverageConfig = setting("Averages the differences over observations.")
 
 
 @settings
@@ -111,8 +109,8 @@ class LowTrackConfig:
         "Distance before an obstacle's face from which a low one begins, farther than mirror images do.", ge=0.0
     )
     least_width_m: float = setting("Least width of a reported obstacle.", ge=0.0)
-    gain_weight: GainWeightConfig | None = setting("Counts faint observations less than clear ones.", default=None)
-    clutter: ClutterConfig | None = setting("Requires more hits while new tracks begin often.", default=None)
-    approach_share: float | None = setting(
-        "Confirms only what comes nearer by more than this share of the own way.", default=None, gt=0.0, le=1.0
+    gain_weight: GainWeightConfig = setting("Counts faint observations less than clear ones.")
+    clutter: ClutterConfig = setting("Requires more hits while new tracks begin often.")
+    approach_share: float = setting(
+        "Confirms only what comes nearer by more than this share of the own way.", gt=0.0, le=1.0
     )

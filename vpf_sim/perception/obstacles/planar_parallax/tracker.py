@@ -41,7 +41,7 @@ class LowObstacleTracks:
     def hits_needed(self) -> int:
         """Hits of a confirmed track."""
         config, clutter = self.config, self.config.clutter
-        return config.hits + (clutter.more_hits if clutter and self._new_rate > clutter.rate else 0)
+        return config.hits + (clutter.more_hits if self._new_rate > clutter.rate else 0)
 
     def record(self, observations: list[LowObservation], pose: Floats) -> None:
         """Add one frame's observations by the vehicle at `pose`."""
@@ -51,8 +51,7 @@ class LowObstacleTracks:
         before = len(self.tracks)
         for one in observations:
             self._add(one, pose)
-        if self.config.clutter is not None:
-            self._new_rate += (len(self.tracks) - before - self._new_rate) / self.config.clutter.looks
+        self._new_rate += (len(self.tracks) - before - self._new_rate) / self.config.clutter.looks
         self.tracks = [track for track in self.tracks if self._is_kept(track, pose)]
 
     def bodies(self, pose: Floats) -> Obstacles:
@@ -82,13 +81,12 @@ class LowObstacleTracks:
     def _weight(self, one: LowObservation) -> float:
         """What an observation counts: mirror images are fainter than what stands."""
         rule = self.config.gain_weight
-        return 1.0 if rule is None else min(max(one.gain / rule.usual_gain, rule.least), rule.most)
+        return min(max(one.gain / rule.usual_gain, rule.least), rule.most)
 
     def _approaches(self, track: _Track, place_m: Floats, travel_m: float) -> bool:
         """Whether it came nearer by the car's own way. Drops on the windscreen do not, mirror images by less."""
         own_m = float(vehicle_from_world(place_m, track.first_pose)[0]) - track.first_forward_m
-        share = self.config.approach_share
-        return share is None or travel_m - own_m > share * travel_m
+        return travel_m - own_m > self.config.approach_share * travel_m
 
     def _track_at(self, here: Floats, pose: Floats) -> _Track | None:
         """The first track about a place."""
