@@ -31,8 +31,7 @@ def seen(edges: RoadEdges, obstacles: Obstacles | None = None) -> Any:
 
 
 def camera_scene() -> CameraScene:
-    sizes = driver_settings.ROBUST.road_edges.object_sizes
-    return CameraScene(Camera(), VehicleModel(), driver_settings.scene(), sizes)
+    return CameraScene(Camera(), VehicleModel(), driver_settings.scene())
 
 
 def on_circle(angle_rad: float, d_m: float) -> tuple[float, float]:

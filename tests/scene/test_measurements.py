@@ -61,10 +61,10 @@ def test_a_place_without_measured_heights_tells_nothing(forward_m: float, speed_
 def lengths(*faces: tuple[float, float, float]) -> list[float]:
     """m, of standing faces (ahead m, left side m, right side m)."""
     ahead, left, right = np.array(faces, float).T
-    same, sizes = np.ones(len(faces)), driver_settings.ROBUST.road_edges.object_sizes
+    same = np.ones(len(faces))
     road = road_of(RoadEdges(-5.25, 5.25, 0.0, 0.0, 0.1, 1.0, 0.0, 3.5, 1.0), np.zeros(3), 0.0)
     seen = Obstacles(ahead, left, right, 0.2 * same, same, np.arange(len(faces)))
-    found = of_obstacles(seen, np.nan * same, 0.0 * same, np.zeros(3), road, 0.0, sizes, CONFIG)
+    found = of_obstacles(seen, np.nan * same, 0.0 * same, np.zeros(3), road, 0.0, CONFIG)
     return [float(one) for one in found.length_m]
 
 

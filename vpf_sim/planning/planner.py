@@ -16,4 +16,4 @@ def create_planner(setup: DriverSetup, variant: Variant) -> Planner:
     in_sight = SpeedInSight(variant.visibility, setup)
     from vpf_sim.planning.scene_planner import ScenePlanner  # imports scipy.optimize, which others do not need
 
-    return ScenePlanner(setup, variant.scene, variant.road_edges.object_sizes, in_sight)
+    return ScenePlanner(setup, variant.scene, in_sight)

@@ -4,7 +4,6 @@ from dataclasses import replace
 from math import inf
 
 from vpf_sim.driver_interface import DriverSetup, Observation
-from vpf_sim.perception.object_sizes import ObjectSizes
 from vpf_sim.planning.planner_interface import Planned, Planner
 from vpf_sim.planning.spacetime.replanning import REPLAN_S, MotionReplanner
 from vpf_sim.planning.visibility import SpeedInSight
@@ -18,9 +17,9 @@ from vpf_sim.types import NO_FORCE, Perception
 class ScenePlanner(Planner):
     """Plans as `expert` does, in the scene that the camera shows."""
 
-    def __init__(self, setup: DriverSetup, config: SceneConfig, sizes: ObjectSizes, in_sight: SpeedInSight) -> None:
+    def __init__(self, setup: DriverSetup, config: SceneConfig, in_sight: SpeedInSight) -> None:
         self._setup, self._in_sight = setup, in_sight
-        self._scene = CameraScene(setup.camera, setup.vehicle, config, sizes)
+        self._scene = CameraScene(setup.camera, setup.vehicle, config)
         self._motion = MotionReplanner(setup.vehicle)
 
     def observe(self, perception: Perception, observation: Observation, evidence: Evidence | None) -> Perception:

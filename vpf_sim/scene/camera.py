@@ -10,7 +10,6 @@ import numpy as np
 
 from vpf_sim.driver_interface import Observation
 from vpf_sim.geometry import bounded, rotation, vehicle_from_world, wrap_angle
-from vpf_sim.perception.object_sizes import ObjectSizes
 from vpf_sim.perception.obstacles.point_motion import PointMotions
 from vpf_sim.perception.obstacles.prediction import none
 from vpf_sim.scene.bounds import ASIDE_M, plausible_obstacles, plausible_road
@@ -43,8 +42,8 @@ CROSSING = 1.0  # across over along, from which a track shows its side
 class CameraScene:
     """Keeps road coordinates and tracks of one episode."""
 
-    def __init__(self, camera: Camera, vehicle: VehicleModel, config: SceneConfig, sizes: ObjectSizes) -> None:
-        self._camera, self._vehicle, self._config, self._sizes = camera, vehicle, config.existence, sizes
+    def __init__(self, camera: Camera, vehicle: VehicleModel, config: SceneConfig) -> None:
+        self._camera, self._vehicle, self._config = camera, vehicle, config.existence
         self._tracker, self._unseen = SceneTracker(config.tracker), UnseenTraffic(config.unseen)
         self._last: Observation | None = None  # of the last frame
         self._s_m = 0.0  # at the last frame: what is perceived does not depend on what is planned in between
@@ -90,7 +89,7 @@ class CameraScene:
         if evidence.points is not None and len(obstacles):
             odds = support(obstacles, evidence.points, camera_m, observation.speed_mps, self._config)
         relief = self._mean_relief(obstacles, evidence.relief)
-        found = of_obstacles(obstacles, odds, relief, pose, self.road, s_m, self._sizes, self._config)
+        found = of_obstacles(obstacles, odds, relief, pose, self.road, s_m, self._config)
         found = self._without_actors(found, obstacles, np.isnan(odds))
         if evidence.crossers is None or not len(evidence.crossers):
             return found

@@ -4,7 +4,7 @@ import numpy as np
 
 from vpf_sim.geometry import world_from_vehicle
 from vpf_sim.perception.egomotion.triangulation import Triangulation
-from vpf_sim.perception.object_sizes import ObjectSizes
+from vpf_sim.perception.object_sizes import lengths_m
 from vpf_sim.perception.obstacles.crossing import Crossers
 from vpf_sim.scene.road import Road
 from vpf_sim.scene.scene_settings import ExistenceConfig
@@ -33,7 +33,6 @@ def of_obstacles(
     pose: Floats,
     road: Road,
     s_m: float,
-    sizes: ObjectSizes,
     config: ExistenceConfig,
 ) -> Detections:
     """Obstacles in the axes of a car at a pose (x m, y m, yaw rad), `s_m` along the road; lengths by class.
@@ -55,7 +54,7 @@ def of_obstacles(
     surely = moving | (obstacles.forward_m > config.born_m)
     gain = np.where(surely, config.confirmed, np.where(np.isnan(odds), unjudged, odds))
     gain = np.where(~moving & (relief < config.flat), config.per_relief * relief, gain)
-    length = sizes.lengths_m(_whole_widths(s, d, width, moving))
+    length = lengths_m(_whole_widths(s, d, width, moving))
     return Detections(state, covariance, length, width, gain, loss)
 
 

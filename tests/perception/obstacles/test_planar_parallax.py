@@ -10,7 +10,6 @@ from vpf_sim.geometry import rotation
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation, PlanarParallax
 from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks
 from vpf_sim.perception.road.occlusion import footprints
-from vpf_sim.perception.road.road_settings import OcclusionConfig
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Image, Obstacles, RoadEdges
 
@@ -125,7 +124,7 @@ def test_a_known_obstacle_is_left_out_with_what_it_hides_only(
     for forward in np.arange(10.0, PLATE_M[0, 0] - BUMPER_M - 6.5, SPEED_MPS / LOOKS_HZ).tolist():
         face = PLATE_M[0, 0] - forward - ahead_m
         body = Obstacles(face * one, left_m * one, right_m * one, 0.1 * one, one, np.array([1]))
-        known = footprints(body, STRAIGHT, OcclusionConfig())
+        known = footprints(body, STRAIGHT)
         found |= bool(residual.update(frame(forward, 0.15), np.array([forward, 0.0, 0.0]), known))
     assert found is seen
 

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 from vpf_sim.geometry import rotation
-from vpf_sim.perception.road.occlusion import footprints, shadow
-from vpf_sim.perception.road.road_settings import OcclusionConfig
+from vpf_sim.perception.object_sizes import CAR_LENGTH_M
+from vpf_sim.perception.road.occlusion import BEFORE_M, BESIDE_M, footprints, shadow
 from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges
 
-CONFIG = OcclusionConfig()
 LENS_M = np.array([0.8, 0.0])
 
 
@@ -40,7 +39,7 @@ def inside(points_m: Floats, corners_m: Floats) -> Bools:
 @pytest.mark.parametrize("heading_rad", [0.0, 0.2, -0.3])
 def test_what_a_line_of_sight_meets_a_body_on_is_hidden_and_nothing_else(face_m: float, heading_rad: float) -> None:
     """Also where the body's face lies behind the camera and its flank beside it."""
-    (corners,) = footprints(body(face_m, -4.0, -1.6), road(heading_rad), CONFIG)
+    (corners,) = footprints(body(face_m, -4.0, -1.6), road(heading_rad))
     outline = shadow(corners, LENS_M).astype(np.float32)
     grid = np.stack(np.meshgrid(np.arange(1.0, 16.0, 0.5), np.arange(-8.0, 4.0, 0.25)), axis=-1).reshape(-1, 2)
     share = np.linspace(0.0, 1.0, 400)[:, None]
@@ -52,30 +51,24 @@ def test_what_a_line_of_sight_meets_a_body_on_is_hidden_and_nothing_else(face_m:
 
 @pytest.mark.parametrize(("width_m", "length_m"), [(0.4, 1.0), (2.0, 5.5), (2.2, 5.5), (2.5, 9.0)])
 def test_what_is_as_wide_as_a_car_or_a_truck_may_be_as_long(width_m: float, length_m: float) -> None:
-    (corners,) = footprints(body(10.0, 1.0, 1.0 + width_m), road(), CONFIG)
-    assert corners.max(axis=0) == pytest.approx([10.0 + length_m, 1.0 + width_m + CONFIG.beside_m])
-    assert corners.min(axis=0) == pytest.approx([10.0 - CONFIG.before_m, 1.0 - CONFIG.beside_m])
+    (corners,) = footprints(body(10.0, 1.0, 1.0 + width_m), road())
+    assert corners.max(axis=0) == pytest.approx([10.0 + length_m, 1.0 + width_m + BESIDE_M])
+    assert corners.min(axis=0) == pytest.approx([10.0 - BEFORE_M, 1.0 - BESIDE_M])
 
 
 def test_it_stands_along_the_road_where_that_bends() -> None:
-    (straight,) = footprints(body(10.0, -1.25, 1.25), road(), CONFIG)
-    (bent,) = footprints(body(10.0, -1.25, 1.25), road(0.1, 0.01), CONFIG)
+    (straight,) = footprints(body(10.0, -1.25, 1.25), road())
+    (bent,) = footprints(body(10.0, -1.25, 1.25), road(0.1, 0.01))
     middle = np.array([10.0, 0.0])
     assert bent == pytest.approx(middle + (straight - middle) @ rotation(0.2).T)
 
 
 def test_a_body_told_where_the_camera_is_hides_no_more_than_it_covers() -> None:
-    (corners,) = footprints(body(-4.0, -1.2, 1.2), road(), CONFIG)
+    (corners,) = footprints(body(-4.0, -1.2, 1.2), road())
     assert shadow(corners, LENS_M) == pytest.approx(corners)
 
 
 def test_what_moves_covers_also_where_it_was_in_the_older_picture() -> None:
-    (corners,) = footprints(moving(10.0, 3.0), road(), CONFIG, since_s=0.8)
-    assert corners[:, 0].min() == pytest.approx(10.0 - 3.0 * 0.8 - CONFIG.before_m)
-    assert corners[:, 0].max() == pytest.approx(10.0 + CONFIG.sizes.car_length_m)
-
-
-@pytest.mark.parametrize("wrong", [{"beside_m": 0.0}, {"before_m": -1.0}])
-def test_nonsense_is_refused(wrong: dict[str, float]) -> None:
-    with pytest.raises(ValueError, match=f"{next(iter(wrong))}: expected"):
-        OcclusionConfig(**wrong)
+    (corners,) = footprints(moving(10.0, 3.0), road(), since_s=0.8)
+    assert corners[:, 0].min() == pytest.approx(10.0 - 3.0 * 0.8 - BEFORE_M)
+    assert corners[:, 0].max() == pytest.approx(10.0 + CAR_LENGTH_M)

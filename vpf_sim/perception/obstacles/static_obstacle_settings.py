@@ -3,7 +3,6 @@
 from vpf_sim.configuration import setting, settings
 from vpf_sim.perception.egomotion.egomotion_settings import NoiseModel
 from vpf_sim.perception.obstacles.planar_parallax.low_obstacle_settings import LowTrackConfig, ParallaxConfig
-from vpf_sim.perception.road.road_settings import OcclusionConfig
 
 
 @settings
@@ -218,7 +217,6 @@ class StaticObstacleConfig:
     fragment: FragmentConfig = setting("Drops fragments behind an obstacle.")
     sharpest: SharpestConfig = setting("Takes the sides from the points observed from nearest.")
     noise: NoiseModel = setting("Noise of the point tracks.", default_factory=NoiseModel)
-    occlusion: OcclusionConfig = setting("Regions that obstacles occlude.", default_factory=OcclusionConfig)
     low_obstacles: LowObstacleConfig | None = setting("Detects low obstacles by several low points.", default=None)
 
     def range_factor(self, speed_mps: float) -> float:

@@ -129,7 +129,7 @@ class StaticObstacleTracker:
             if moving is not None and len(moving):
                 hiding = hiding.concatenate(moving)
             since_s = self.config.planar_parallax.baseline_m / max(speed_mps, 1.0)
-            known = footprints(hiding, road, self.config.occlusion, since_s)
+            known = footprints(hiding, road, since_s)
         found = self.parallax.update(image, pose, known)
         if found is not None:
             margin_m = self.config.edge_margin_m

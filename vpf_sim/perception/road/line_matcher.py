@@ -32,7 +32,7 @@ class LineMatcher:
         config, visible = self.config, self._visible
         response = ridge(self.view.warp(grey), round(config.ridge_reach_m / config.column_m))
         if config.obstacle_mask is not None and obstacles is not None and len(obstacles):
-            visible = visible & ~hidden_by(obstacles, self.view, pitch_rad, config.obstacle_mask, config.object_sizes)
+            visible = visible & ~hidden_by(obstacles, self.view, pitch_rad, config.obstacle_mask)
         return RidgeMap(
             self.view, response, noise_threshold(response, config.least_contrast), visible, config.centroid_m
         )

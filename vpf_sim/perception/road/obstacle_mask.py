@@ -2,16 +2,14 @@
 
 import numpy as np
 
-from vpf_sim.perception.object_sizes import ObjectSizes
+from vpf_sim.perception.object_sizes import lengths_m
 from vpf_sim.perception.road.birds_eye import BirdsEye
 from vpf_sim.perception.road.model import rows_seen
 from vpf_sim.perception.road.road_settings import ObstacleMaskConfig
 from vpf_sim.types import Bools, Obstacles
 
 
-def hidden_by(
-    obstacles: Obstacles, view: BirdsEye, pitch_rad: float, config: ObstacleMaskConfig, sizes: ObjectSizes
-) -> Bools:
+def hidden_by(obstacles: Obstacles, view: BirdsEye, pitch_rad: float, config: ObstacleMaskConfig) -> Bools:
     """(rows, columns) whether an obstacle's face or flank hides each place of the patch."""
     hidden = np.zeros(view.visible.shape, np.bool_)
     forward_m, nearest_m = view.camera.forward_m, config.nearest_m
@@ -19,7 +17,7 @@ def hidden_by(
     ahead = (view.forward_m - forward_m)[:, None]
     bearing = view.right_m / ahead
     sides = zip(obstacles.forward_m, obstacles.left_m, obstacles.right_m, strict=True)
-    for (face, left, right), length in zip(sides, sizes.lengths_m(obstacles.width_m), strict=True):
+    for (face, left, right), length in zip(sides, lengths_m(obstacles.width_m), strict=True):
         depth = float(face) - forward_m
         beside = left > 0.0 or right < 0.0
         if depth + beside * length < nearest_m:  # behind the camera, where a passed object is still predicted

@@ -3,20 +3,21 @@
 import cv2
 import numpy as np
 
+from vpf_sim.perception.object_sizes import lengths_m
 from vpf_sim.perception.road.geometry import direction_rad
-from vpf_sim.perception.road.road_settings import OcclusionConfig
 from vpf_sim.types import Floats, Obstacles, RoadEdges
 
+BEFORE_M, BESIDE_M = 0.8, 0.35  # margins of the occluded region, before the face and at both sides
 FAR_M = 40.0  # from the camera, up to which a body hides the road
 
 
-def footprints(bodies: Obstacles, road: RoadEdges, config: OcclusionConfig, since_s: float = 0.0) -> Floats:
+def footprints(bodies: Obstacles, road: RoadEdges, since_s: float = 0.0) -> Floats:
     """(K, 4, 2) corners of what each body covers, or did `since_s` ago, at most, vehicle axes: it is along the road."""
-    length = config.sizes.lengths_m(bodies.width_m)
+    length = lengths_m(bodies.width_m)
     along, across = _axes(bodies, road)
-    half = (0.5 * bodies.width_m + config.beside_m)[:, None] * across
+    half = (0.5 * bodies.width_m + BESIDE_M)[:, None] * across
     middle = np.stack([bodies.forward_m, bodies.middle_m], axis=1)
-    before = config.before_m + since_s * bodies.speed_mps
+    before = BEFORE_M + since_s * bodies.speed_mps
     near, far = middle - before[:, None] * along, middle + length[:, None] * along
     return np.stack([near - half, near + half, far + half, far - half], axis=1)
 

@@ -1,22 +1,10 @@
-"""Settings of the road edge tracker and of occlusion."""
-
-import dataclasses
+"""Settings of the road edge tracker."""
 
 import numpy as np
 
 from vpf_sim.configuration import setting, settings
-from vpf_sim.perception.object_sizes import ObjectSizes
 from vpf_sim.perception.road.birds_eye import Patch
 from vpf_sim.types import Floats
-
-
-@settings
-class OcclusionConfig:
-    """Footprints of obstacles on the road."""
-
-    before_m: float = setting("Margin of the occluded region before the face.", default=0.8, gt=0.0)
-    beside_m: float = setting("Margin of the occluded region at both sides.", default=0.35, gt=0.0)
-    sizes: ObjectSizes = dataclasses.field(default_factory=ObjectSizes)
 
 
 @settings
@@ -231,7 +219,6 @@ class RoadEdgeConfig:
     filter: RoadFilterConfig
     first_guess: FirstGuessConfig
     hypotheses: HypothesesConfig
-    object_sizes: ObjectSizes
     guess_check: GuessCheckConfig | None = setting(
         "Rejects a first guess whose lines lead away from a known road.", default=None
     )
