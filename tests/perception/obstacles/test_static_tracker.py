@@ -212,8 +212,10 @@ def test_the_same_scene_turned_and_moved_in_the_world_gives_the_same_obstacles()
                 for name in Flow.__slots__
             )
         )
-        a = here.update(flow, drive.road, SPEED_MPS, frame / RATE_HZ)
-        b = there.update(turned, drive.road, SPEED_MPS, frame / RATE_HZ)
+        a, b = (
+            one.update(seen, drive.road, SPEED_MPS, frame / RATE_HZ, one.triangulate(seen))
+            for one, seen in ((here, flow), (there, turned))
+        )
     assert len(a) == len(b) == 1
     assert a.forward_m == pytest.approx(b.forward_m, abs=1e-6)
     assert a.left_m == pytest.approx(b.left_m, abs=1e-6)

@@ -62,15 +62,11 @@ class PointMotions:
         return Fit(solved, np.sqrt(np.diagonal(np.linalg.inv(normal))), chi2)
 
     def static_chi2(self, least_per_m: Floats) -> Floats:
-        """(N,) with the best inverse depth from `least_per_m` (N,) on."""
-        return self.chi2(self.by_depth * self.static_inverse(least_per_m)[:, None] - self.far)
-
-    def static_inverse(self, least_per_m: Floats) -> Floats:
-        """(N,) 1/m, the best inverse depth of a point that stands, from `least_per_m` (N,) on."""
+        """(N,) of points that stand, with the best inverse depth from `least_per_m` (N,) on."""
         weighted = np.einsum("nij,nj->ni", self.weight, self.by_depth)
         curvature = np.maximum((weighted * self.by_depth).sum(axis=1), 1e-12)
-        inverse: Floats = np.clip((weighted * self.far).sum(axis=1) / curvature, least_per_m, NEAREST_PER_M)
-        return inverse
+        inverse = np.clip((weighted * self.far).sum(axis=1) / curvature, least_per_m, NEAREST_PER_M)
+        return self.chi2(self.by_depth * inverse[:, None] - self.far)
 
 
 def point_motions(flow: Flow, camera: Camera, window_px: int, noise: NoiseModel) -> PointMotions:

@@ -71,7 +71,7 @@ class StaticObstacleTracker:
         road: RoadEdges,
         speed_mps: float,
         time_s: float,
-        points: Triangulation | None = None,
+        points: Triangulation,
         moving: Bools | None = None,
     ) -> Obstacles:
         """The static obstacles ahead after this frame, in vehicle axes at `flow.pose`.
@@ -79,7 +79,6 @@ class StaticObstacleTracker:
         `points` are those of `triangulate`; `moving` (N,) marks those of moving obstacles.
         """
         if self._schedule.step():
-            points = self.triangulate(flow) if points is None else points
             if moving is not None and moving.any():
                 self.points.keep(~among(self.points.identity, flow.identity[moving]))
             range_factor = self.config.range_factor(speed_mps)

@@ -63,12 +63,10 @@ class MovingObstacleTracker:
         self._masked = np.empty(0, np.int64)  # identities of points
         self._next = 1
 
-    def update(
-        self, flow: Flow, points: Triangulation | None, road: RoadEdges, speed_mps: float, time_s: float
-    ) -> Bools:
+    def update(self, flow: Flow, points: Triangulation, road: RoadEdges, speed_mps: float, time_s: float) -> Bools:
         """Bring all tracks to this frame; (N,) points of the flow that no static obstacle may use.
 
-        `points` are the flow's, triangulated as if they stood; a frame that is not observed needs none.
+        `points` are the flow's, triangulated as if they stood.
         """
         dt_s, self._time_s = time_s - self._time_s, time_s
         observes = self._observation.step()
@@ -77,7 +75,7 @@ class MovingObstacleTracker:
             ahead = min(max(track.place(flow.pose)[0], -self.config.far_m), 1.5 * self.config.far_m)
             direction = flow.pose[2] + road.heading_rad + road.curvature_per_m * ahead
             track.predict(dt_s, direction, road.curvature_per_m)
-        if observes and points is not None and (self.tracks or searches):
+        if observes and (self.tracks or searches):
             self._observe(flow, points, road, speed_mps, searches)
         return among(flow.identity, self._masked)
 

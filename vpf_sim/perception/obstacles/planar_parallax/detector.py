@@ -70,7 +70,6 @@ class PlanarParallax:
         self._outside = (~visible).astype(np.uint8)  # (rows, columns) 1 where the frame does not reach
         self.lenses_m: tuple[Floats, ...] = ()  # (2,) each, camera positions of the last comparison, now and before
         self._past: deque[_Layout] = deque()
-        self._contrast: Singles = np.empty((0, 0), np.float32)  # of the last observation, in multiples of the noise
         self._seen: Bools = np.empty((0, 0), np.bool_)  # where it showed the road or what stands on it
         self._last: _Comparison | None = None  # in this frame
         self._window = odd_cells(config.window_m, config.cell_m)
@@ -169,7 +168,6 @@ class PlanarParallax:
         config = self.config
         some = road[: self._noise_rows : 4, ::4]  # windows overlap: a few suffice
         noise = quantile(some, 0.5) + config.floor_levels2
-        self._contrast = road / np.float32(noise)
         self._seen = self._seen_before(older_pose, pose) & (free > config.least_seen)
         strip = np.abs(self._right_m[self._columns]) < config.sensing_range.half_width_m
         share = self._seen[:, strip].mean(axis=1)
