@@ -10,7 +10,7 @@ the centre of its body. N is a number of image points, K a number of obstacles.
 from dataclasses import dataclass, field, fields, replace
 from importlib import import_module
 from math import inf, radians, tan
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Protocol, Self, TypeVar, cast
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, Protocol, Self, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -175,20 +175,26 @@ class LateralExtent(Generic[Metres]):
         return self.right_m - self.left_m
 
 
-class LateralExtents(LateralExtent[Floats]):
-    """K obstacles, with a row each in every field."""
+class Rows:
+    """A dataclass that has a row for each of K things in every field."""
 
-    __slots__: tuple[str, ...] = ()
+    __slots__ = ()
+    __dataclass_fields__: ClassVar[dict[str, Any]]
 
-    def select(self, which: Bools) -> Self:
-        """Those of which `which` (K,) is true."""
-        return type(self)(*(getattr(self, name)[which] for name in self.__slots__))
+    def select(self, rows: Integers | Bools) -> Self:
+        """Some of them."""
+        return type(self)(*(getattr(self, field.name)[rows] for field in fields(self)))
 
     def concatenate(self, others: Self) -> Self:
         """These, and the others after them."""
-        if not len(others.left_m):
-            return self
-        return type(self)(*(np.concatenate([getattr(one, name) for one in (self, others)]) for name in self.__slots__))
+        pairs = ((getattr(self, field.name), getattr(others, field.name)) for field in fields(self))
+        return type(self)(*(np.concatenate(pair) for pair in pairs))
+
+
+class LateralExtents(LateralExtent[Floats], Rows):
+    """K obstacles."""
+
+    __slots__ = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -94,7 +94,7 @@ def test_it_waits_straight_in_its_lane_behind_what_has_stopped() -> None:
     while stood_s < 3.0:
         assert now.time_s < 20.0
         unseen.update(now.time_s, now.ego.speed_mps, {7: 9.0})
-        motion = planner.plan(replace(now, tracks=stopped.joined(unseen.tracks(on, now.ego, now.time_s))))
+        motion = planner.plan(replace(now, tracks=stopped.concatenate(unseen.tracks(on, now.ego, now.time_s))))
         now = followed(now, motion, now.time_s + 0.1)
         stood_s = stood_s + 0.1 if now.ego.speed_mps < 0.3 else 0.0
     assert abs(now.ego.d_m) < 0.2

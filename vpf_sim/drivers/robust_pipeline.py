@@ -96,7 +96,7 @@ class ObstacleStages:
             return None, nobody(), on_moving
         motions = self._point_motions(steady)
         crossers, near = self._crossing.find(steady, motions, observation.speed_mps)
-        outside = motions.chosen(~steady.on_glass)
+        outside = motions.select(~steady.on_glass)
         return outside, crossers, near if on_moving is None else near | on_moving
 
     def refine(

@@ -93,7 +93,7 @@ class CameraScene:
         found = self._without_actors(found, obstacles, np.isnan(odds))
         if evidence.crossers is None or not len(evidence.crossers):
             return found
-        return found.joined(of_crossers(evidence.crossers, camera_m, pose, self.road, s_m, self._config))
+        return found.concatenate(of_crossers(evidence.crossers, camera_m, pose, self.road, s_m, self._config))
 
     def _without_actors(self, found: Detections, obstacles: Obstacles, unjudged: Bools) -> Detections:
         """Leave out what is found standing where an actor crosses: it has the actor's points, and keeps its place.
@@ -107,7 +107,7 @@ class CameraScene:
         self._actors |= set(obstacles.identity[here].tolist())
         known = np.array([identity in self._actors for identity in obstacles.identity.tolist()], np.bool_)
         found.gain[known & unjudged] = 0.0
-        return found.chosen(~here)
+        return found.select(~here)
 
     def scene(self, observation: Observation, speed_reference_mps: float) -> Scene:
         """The scene at an observation, on the road as last perceived."""
@@ -115,13 +115,13 @@ class CameraScene:
         s, d = self.place(observation)
         motion = observation.speed_mps, observation.yaw_rate_radps
         ego = EgoState(observation.x_m, observation.y_m, observation.yaw_rad, *motion, s, d)
-        table = self._tracker.table.chosen(self._tracker.reported)
-        tracks = tracks_of(table, self.road).joined(self._unseen.tracks(self.road, ego, observation.time_s))
+        table = self._tracker.table.select(self._tracker.reported)
+        tracks = tracks_of(table, self.road).concatenate(self._unseen.tracks(self.road, ego, observation.time_s))
         return Scene(observation.time_s, ego, self.road, tracks, speed_reference_mps)
 
     def obstacles(self, observation: Observation) -> Obstacles:
         """The reported tracks in vehicle axes at an observation, where they are by then."""
-        table = self._tracker.table.chosen(self._tracker.reported)
+        table = self._tracker.table.select(self._tracker.reported)
         if self.road is None or self._last is None or not len(table):
             return none()
         s, d, along, across = table.state.T

@@ -125,7 +125,7 @@ def of_crossers(
         config.crossing * same,
         config.crossing_per_s * same,
     )
-    return found.chosen(near)
+    return found.select(near)
 
 
 def _on_road(forward_m: Floats, right_m: Floats, pose: Floats, road: Road, s_m: float) -> tuple[Floats, Floats]:

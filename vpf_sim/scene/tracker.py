@@ -6,8 +6,7 @@ carry their own covariance, velocity included: how it was found decides how well
 global and gated. What is expected to be visible and is not detected exists less; what cannot be seen now does not.
 """
 
-from dataclasses import dataclass, fields
-from typing import Self
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -16,7 +15,7 @@ from scipy.special import chdtri
 from vpf_sim.scene.road import Road
 from vpf_sim.scene.scene_settings import TrackerConfig
 from vpf_sim.scene.tracks import vehicle_sized
-from vpf_sim.types import Bools, Floats, Integers
+from vpf_sim.types import Bools, Floats, Integers, Rows
 
 STANDS_MPS = 0.3
 GATE = float(chdtri(2, 0.001))  # of the squared Mahalanobis distance in place
@@ -34,7 +33,7 @@ IN_VIEW_M = 3.0  # ahead, from which a face's size is seen; what is passed keeps
 
 
 @dataclass(slots=True)
-class Faces:
+class Faces(Rows):
     """N faces of one frame in road coordinates: place of the middle, velocity, width across the road, depth beyond."""
 
     state: Floats  # (N, 4) s m, d m, along m/s, across m/s
@@ -51,15 +50,6 @@ class Faces:
     def stands(self) -> Bools:
         """(N,) those that were found without a velocity, as static obstacles are."""
         return np.asarray(np.all(self.state[:, 2:] == 0.0, axis=1))
-
-    def chosen(self, rows: Integers | Bools) -> Self:
-        """Some of them."""
-        return type(self)(*(getattr(self, field.name)[rows] for field in fields(self)))
-
-    def joined(self, others: Self) -> Self:
-        """These and others."""
-        pairs = ((getattr(self, field.name), getattr(others, field.name)) for field in fields(self))
-        return type(self)(*(np.concatenate(pair) for pair in pairs))
 
 
 Detections = Faces
@@ -117,18 +107,18 @@ class SceneTracker:
         `in_sight_s` (K,) is the time since the last frame, of tracks that should be detected, or a small part of it.
         """
         current = ~self._outdated(found)
-        found, fresh = found.chosen(current), np.broadcast_to(fresh, len(found))[current]
+        found, fresh = found.select(current), np.broadcast_to(fresh, len(found))[current]
         track, detection = self._associate(found)
         table = self.table
         undetected = ~self._covered(found)
         undetected[track] = False
         table.gain[undetected] -= (in_sight_s * table.loss_per_s)[undetected]
         if len(track):
-            self._correct(track, found.chosen(detection), fresh[detection], ego_s_m)
+            self._correct(track, found.select(detection), fresh[detection], ego_s_m)
         new = np.ones(len(found), np.bool_)
         new[detection] = False
         if new.any():
-            self._spawn(found.chosen(new))
+            self._spawn(found.select(new))
         self._prune(ego_s_m)
 
     @property
@@ -175,7 +165,7 @@ class SceneTracker:
     def _covered(self, found: Detections) -> Bools:
         """(K,) tracks that stand where one of the detections that stand is: neighbours that are now seen as one."""
         table = self.table
-        stands = found.chosen(found.stands & (found.gain > 0.0))
+        stands = found.select(found.stands & (found.gain > 0.0))
         apart = np.abs(table.state[:, None, :2] - stands.state[:, :2])
         covers = (apart[..., 0] < AS_FAR_M) & (apart[..., 1] < 0.5 * stands.width_m)
         covers &= stands.width_m > MUCH_WIDER * table.width_m[:, None]
@@ -239,7 +229,7 @@ class SceneTracker:
     def end(self, rows: Bools) -> None:
         """Drop some tracks, (K,)."""
         if rows.any():
-            self.table = self.table.chosen(~rows)
+            self.table = self.table.select(~rows)
 
     def _spawn(self, found: Detections) -> None:
         count, table = len(found), self.table
@@ -247,7 +237,7 @@ class SceneTracker:
         self._next += count
         begun = _begun(found, identity)
         begun.gain[found.stands & (found.gain < SURE)] = self._config.unsure
-        self.table = table.joined(begun)
+        self.table = table.concatenate(begun)
 
     def _prune(self, ego_s_m: float) -> None:
         table = self.table

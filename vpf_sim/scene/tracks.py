@@ -45,7 +45,7 @@ class Tracks:
         columns = {field.name: getattr(self, field.name)[rows] for field in fields(self) if field.name != "lanes"}
         return Tracks(**columns, lanes=tuple(self.lanes[row] for row in rows.tolist()) if self.lanes else ())
 
-    def joined(self, others: "Tracks") -> "Tracks":
+    def concatenate(self, others: "Tracks") -> "Tracks":
         """These and others; lanes are not known."""
         columns: dict[str, Any] = {
             field.name: np.concatenate([getattr(self, field.name), getattr(others, field.name)])

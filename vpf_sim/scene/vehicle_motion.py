@@ -54,7 +54,7 @@ def seen_motion(
     rows = np.flatnonzero(_on_face(points, depth, right_m, 0.5 * width_m, highest_m, camera))
     if len(rows) < LEAST_POINTS:
         return None
-    mine = points.chosen(rows)
+    mine = points.select(rows)
     inverse, slope = 1.0 / depth, np.stack([mine.by_depth, mine.by_along, mine.by_across], axis=2)
     mean = inverse * np.array([1.0, *expected_mps])
     sigma = inverse * np.array([sigma_m / depth, PRIOR_MPS, PRIOR_MPS])

@@ -78,7 +78,7 @@ class CrossingDetector:
             labels = _clusters(flow.points_px[rows], motions.far[rows] / flow.gap_s[rows, None])
             for label in np.flatnonzero(np.bincount(labels) >= config.least_points).tolist():
                 cluster = rows[labels == label]
-                actor = _actor(motions.chosen(cluster), self._camera, config, own_mps)
+                actor = _actor(motions.select(cluster), self._camera, config, own_mps)
                 if actor is not None:
                     found.append(actor)
                     near |= _around(flow.points_px, flow.points_px[cluster])

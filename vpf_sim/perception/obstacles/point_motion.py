@@ -9,7 +9,7 @@ from vpf_sim.perception.egomotion.egomotion_settings import NoiseModel
 from vpf_sim.perception.egomotion.ground_plane import relative_pose
 from vpf_sim.perception.egomotion.triangulation import information
 from vpf_sim.perception.obstacles.moving.moving_frame import rays
-from vpf_sim.types import Bools, Camera, Floats, Flow, Integers
+from vpf_sim.types import Camera, Floats, Flow, Rows
 
 NEAREST_PER_M = 0.5
 CHI2_SCALE = 9.0  # of a point that counts half
@@ -24,7 +24,7 @@ class Fit(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class PointMotions:
+class PointMotions(Rows):
     """Motions of N points over the flow's windows.
 
     residual px = by_depth w + by_across (u w) + by_along (v w) - far, for an inverse depth w, 1/m, and velocities u to
@@ -38,10 +38,6 @@ class PointMotions:
     by_along: Floats  # (N, 2)
     far: Floats  # (N, 2)
     weight: Floats  # (N, 2, 2)
-
-    def chosen(self, rows: Integers | Bools) -> "PointMotions":
-        """Some of the points."""
-        return PointMotions(*(getattr(self, name)[rows] for name in self.__slots__))
 
     def chi2(self, residual: Floats) -> Floats:
         """(N,) of residuals (N, 2)."""
