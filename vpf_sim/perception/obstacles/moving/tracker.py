@@ -27,7 +27,7 @@ from vpf_sim.perception.obstacles.moving.mirror import MirrorImages
 from vpf_sim.perception.obstacles.moving.moving_frame import against
 from vpf_sim.perception.obstacles.moving.moving_obstacle_settings import MovingObstacleConfig
 from vpf_sim.perception.obstacles.moving.place import in_outline
-from vpf_sim.perception.obstacles.moving.track import Detection, MovingTrack
+from vpf_sim.perception.obstacles.moving.track import MovingTrack
 from vpf_sim.perception.obstacles.point_hypotheses import among
 from vpf_sim.perception.quantiles import quantile
 from vpf_sim.perception.schedule import Schedule
@@ -132,13 +132,12 @@ class MovingObstacleTracker:
 
         Returns (N,) its points, and (N,) points of the background that are seen through its outline.
         """
-        config, dt_s = self.config, self._look_s
-        seen, flow, own_mps = frame.seen, frame.flow, frame.own_mps
+        config, seen, flow, own_mps = self.config, frame.seen, frame.flow, frame.own_mps
         within = self._outline(track, seen, flow.pose, config.margin_m)
         forward, right = track.place(flow.pose)
         depth = forward - self.camera.forward_m
         if not (depth > config.follow_m and abs(right) < config.follow_bearing * depth) or not seen.ripe.any():
-            self._decay(track, dt_s)
+            self._decay(track)
             return track.members(flow), within
         as_fast = abs(own_mps - track.speed_mps) < config.as_fast_share * own_mps
         about = self._outline(track, seen, flow.pose, config.margin_m + config.about_m)
@@ -146,7 +145,7 @@ class MovingObstacleTracker:
         image = self.mirror_images.own_image(seen, chosen[within[chosen]], depth)
         chosen = chosen[seen.contrast[chosen] > image]
         gain, depth = self._update_track(track, frame, chosen, within[chosen], image)
-        self._weigh(track, gain, dt_s)
+        track.log_odds = min(track.log_odds + gain * self._look_s / config.independent_s, config.most)
         with np.errstate(invalid="ignore"):
             behind = seen.inverse_per_m < 1.0 / max(depth - 1.0, 1.0)
         return track.members(flow), within & behind
@@ -182,14 +181,9 @@ class MovingObstacleTracker:
         faint = self.mirror_images.faint(track, image, own_mps, pose, frame.road)
         return evidence(inside, chi2, standing, seen.contrast[chosen], faint, config.evidence), depth
 
-    def _weigh(self, track: MovingTrack, gain: float, dt_s: float) -> None:
-        """Add the log-odds of one observation to those of a track."""
-        config = self.config
-        track.log_odds = min(track.log_odds + gain * dt_s / config.independent_s, config.most)
-
-    def _decay(self, track: MovingTrack, dt_s: float) -> None:
+    def _decay(self, track: MovingTrack) -> None:
         """Lower the confidence of a track that cannot be observed."""
-        track.log_odds -= self.config.decay_per_s * dt_s
+        track.log_odds -= self.config.decay_per_s * self._look_s
         if track.identity is None:
             track.log_odds = -np.inf
 
@@ -263,11 +257,6 @@ class MovingObstacleTracker:
             if len(members) < config.least_members:
                 continue
             found = detect(seen, members, self.camera, config)
-            if self._is_plausible(found):
-                track = MovingTrack(found, self.camera, frame.flow.pose, config.prior, config.filter)
-                self.tracks.append(track)
-
-    def _is_plausible(self, found: Detection) -> bool:
-        """Whether a candidate is in range and drives."""
-        config = self.config
-        return config.near_m < found.depth_m < config.far_m and config.slow_mps < found.speed_mps < config.fast_mps
+            in_range = config.near_m < found.depth_m < config.far_m
+            if in_range and config.slow_mps < found.speed_mps < config.fast_mps:
+                self.tracks.append(MovingTrack(found, self.camera, frame.flow.pose, config.prior, config.filter))
