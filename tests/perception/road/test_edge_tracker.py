@@ -299,7 +299,6 @@ def test_what_a_body_and_its_flank_hide_is_no_road(
 ) -> None:
     camera = Camera()
     config, view = ROBUST.road_edges, BirdsEye(camera, ROBUST.road_edges.patch)
-    assert config.obstacle_mask is not None
     body = Obstacles(*(np.array([value]) for value in (face_m, left_m, right_m, 0.4, np.inf)), identity=np.array([1]))
     hidden = hidden_by(body, view, 0.0, config.obstacle_mask)
     ahead, aside = np.meshgrid(view.forward_m, view.right_m, indexing="ij")

@@ -89,7 +89,6 @@ def test_the_lane_is_known_where_water_hides_half_of_all_lines(lane: int) -> Non
 
 
 def test_a_lane_is_left_at_once_in_the_beginning_and_later_only_for_lasting_evidence() -> None:
-    assert CONFIG.hypotheses.lasting is not None
     most = CONFIG.hypotheses.lasting.most
     index = CarriagewayHypotheses.start(4, 2, CONFIG.hypotheses)
     assert index.is_lasting(2)

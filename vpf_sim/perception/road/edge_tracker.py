@@ -108,8 +108,6 @@ class RoadEdgeTracker:
     def _is_refuted(self) -> bool:
         """Whether other lines than the expected ones have been visible for long enough."""
         config = self.config.refutation
-        if config is None:
-            return False
         return self._refuted >= config.frames and self._travelled_m > self._agreed_m + config.way_m
 
     def _find(self, image_rgb: Image, ridges: RidgeMap) -> None:
@@ -145,7 +143,7 @@ class RoadEdgeTracker:
         first, check = self.config.first_guess, self.config.guess_check
         pitch_sigma_rad = first.mounted_rad if self._pitch_rad is None else first.pitched_rad
         found = self.matcher.settle(guess, ridges, self._index.numbers, pitch_sigma_rad)
-        if found is None or check is None or abs(found.state[1] - guess[1]) <= check.turned_rad:
+        if found is None or abs(found.state[1] - guess[1]) <= check.turned_rad:
             return found
         return None if self._is_known(self._road) else found
 

@@ -71,7 +71,7 @@ class CarriagewayHypotheses:
         prior = np.where(two_way | (own == lanes), 0.0, np.log(config.other_lanes))
         usual = np.where(two_way, own == LEFT - FAR, lane == RIGHT)  # as many lanes either way
         prior += np.where(usual, 0.0, np.log(config.other_lane))
-        prior[two_way] += -np.inf if config.two_way is None else np.log(config.two_way)
+        prior[two_way] += np.log(config.two_way)
         return cls(prior, np.zeros(len(ROADS)), ROADS.tolist().index([lane - lanes, lane, lane - lanes]), config)
 
     @property
@@ -107,9 +107,8 @@ class CarriagewayHypotheses:
     def judge(self, state: Floats, ridges: RidgeMap, colour: Image, colour_view: BirdsEye) -> None:
         """Add the evidence of one frame; change the hypothesis if another one is far likelier for long enough."""
         config, evidence = self.config, self._line_evidence(state, ridges)
-        if config.ground is not None:
-            least_m = config.least_length_m
-            evidence = evidence + _ground_evidence(state, ridges, colour, colour_view, config.ground, least_m)
+        least_m = config.least_length_m
+        evidence = evidence + _ground_evidence(state, ridges, colour, colour_view, config.ground, least_m)
         self.log_odds = config.kept * self.log_odds + config.weight * (evidence - evidence.max())
         likely = self.probabilities(state)
         best = int(np.argmax(likely))
@@ -124,9 +123,7 @@ class CarriagewayHypotheses:
         self.streak = self.streak + 1 if rival == self.rival else 1
         self.rival = rival
         lasting = self.config.lasting
-        if rival is None or lasting is None:
-            return rival is not None
-        return self.streak >= min(lasting.share * self.judgements, lasting.most)
+        return rival is not None and self.streak >= min(lasting.share * self.judgements, lasting.most)
 
     def _line_evidence(self, state: Floats, ridges: RidgeMap) -> Floats:
         """(H,) by the kinds of the lines."""

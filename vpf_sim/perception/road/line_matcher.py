@@ -31,7 +31,7 @@ class LineMatcher:
         """The ridges of a frame outside the parts that obstacles hide."""
         config, visible = self.config, self._visible
         response = ridge(self.view.warp(grey), round(config.ridge_reach_m / config.column_m))
-        if config.obstacle_mask is not None and obstacles is not None and len(obstacles):
+        if obstacles is not None and len(obstacles):
             visible = visible & ~hidden_by(obstacles, self.view, pitch_rad, config.obstacle_mask)
         return RidgeMap(
             self.view, response, noise_threshold(response, config.least_contrast), visible, config.centroid_m
@@ -44,8 +44,8 @@ class LineMatcher:
         if np.count_nonzero(seen) < self.config.least_rows:
             return None
         found = Sightings(numbers, self.view.forward_m, right_m, np.broadcast_to(self._variance, seen.shape), seen)
-        known, near_part = (tracked.state, tracked.covariance), self.config.filter.near_part
-        for reach_m in (np.inf, near_part.within_m) if near_part else (np.inf,):
+        known = tracked.state, tracked.covariance
+        for reach_m in (np.inf, self.config.filter.near_part.within_m):
             near = replace(found, seen=found.seen & (found.forward_m < reach_m))
             tracked.correct(near)
             if self.is_sane(tracked.state) and tracked.agrees(near):

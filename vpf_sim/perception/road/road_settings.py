@@ -71,17 +71,15 @@ class RoadFilterConfig:
     passes_m: tuple[float, ...] = setting("Cut of Tukey's biweight in each pass.", min_length=1)
     reach_m: float = setting("Distance from the prediction within which lines are searched.", gt=0.0)
     on_line_m: float = setting("Distance up to which an observation lies on its line.", gt=0.0)
-    innovation_sigmas: float | None = setting(
-        "Largest distance to the prediction in standard deviations, plus `on_line_m`.", default=None, gt=0.0
+    innovation_sigmas: float = setting(
+        "Largest distance to the prediction in standard deviations, plus `on_line_m`.", gt=0.0
     )
-    neighbour_test: NeighbourTestConfig | None = setting(
-        "Rejects observations without a neighbour on the line, such as drops and puddles.", default=None
+    neighbour_test: NeighbourTestConfig = setting(
+        "Rejects observations without a neighbour on the line, such as drops and puddles."
     )
-    chance_test: ChanceTestConfig | None = setting(
-        "Rejects frames whose lines have no more observations than by chance.", default=None
-    )
-    near_part: NearPartConfig | None = setting(
-        "Corrects by the near part alone where only one line is visible far ahead, as of a reflection.", default=None
+    chance_test: ChanceTestConfig = setting("Rejects frames whose lines have no more observations than by chance.")
+    near_part: NearPartConfig = setting(
+        "Corrects by the near part alone where only one line is visible far ahead, as of a reflection."
     )
 
     @property
@@ -162,16 +160,9 @@ class HypothesesConfig:
     )
     switch_odds: float = setting("Odds by which a hypothesis must be likelier to replace the current one.", ge=1.0)
     beside_m: float = setting("Largest distance of the pose to the carriageway.", ge=0.0)
-    two_way: float | None = setting(
-        "Prior of lanes of oncoming traffic beyond a solid line on the left; none: there are none.",
-        default=None,
-        gt=0.0,
-        le=1.0,
-    )
-    ground: GroundConfig | None = setting(
-        "Compares the ground beside the own lane with that of the lane.", default=None
-    )
-    lasting: LastingConfig | None = setting("Changes the hypothesis only for lasting evidence.", default=None)
+    two_way: float = setting("Prior of lanes of oncoming traffic beyond a solid line on the left.", gt=0.0, le=1.0)
+    ground: GroundConfig = setting("Compares the ground beside the own lane with that of the lane.")
+    lasting: LastingConfig = setting("Changes the hypothesis only for lasting evidence.")
 
 
 @settings
@@ -219,11 +210,9 @@ class RoadEdgeConfig:
     filter: RoadFilterConfig
     first_guess: FirstGuessConfig
     hypotheses: HypothesesConfig
-    guess_check: GuessCheckConfig | None = setting(
-        "Rejects a first guess whose lines lead away from a known road.", default=None
-    )
-    refutation: RefutationConfig | None = setting("Loses a road whose lines are elsewhere.", default=None)
-    obstacle_mask: ObstacleMaskConfig | None = setting("Ignores the road that obstacles occlude.", default=None)
+    guess_check: GuessCheckConfig = setting("Rejects a first guess whose lines lead away from a known road.")
+    refutation: RefutationConfig = setting("Loses a road whose lines are elsewhere.")
+    obstacle_mask: ObstacleMaskConfig = setting("Ignores the road that obstacles occlude.")
 
     def __post_init__(self) -> None:
         if self.likely_lane > self.lanes:

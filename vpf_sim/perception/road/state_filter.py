@@ -67,10 +67,9 @@ class LaneFilter:
     def _possible(self, found: Sightings, right_m: Floats, jacobian: Floats) -> Bools:
         """(L, R) observations that the prediction allows: drops, puddles and mirror images lie elsewhere."""
         aside = np.where(found.seen, found.right_m - right_m, np.inf)
-        possible, sigmas = _along(aside, self.config.neighbour_test), self.config.innovation_sigmas
-        if sigmas is not None:
-            variance = np.sum((jacobian @ self.covariance) * jacobian, axis=-1) + found.variance_m2
-            possible &= np.abs(aside) < sigmas * np.sqrt(variance) + self.config.on_line_m
+        variance = np.sum((jacobian @ self.covariance) * jacobian, axis=-1) + found.variance_m2
+        possible = _along(aside, self.config.neighbour_test)
+        possible &= np.abs(aside) < self.config.innovation_sigmas * np.sqrt(variance) + self.config.on_line_m
         return possible
 
     def agrees(self, found: Sightings) -> bool:
@@ -82,12 +81,9 @@ class LaneFilter:
         aside = np.where(found.seen, found.right_m - right, np.inf)
         config = self.config
         on_line = _along(aside, config.neighbour_test) & (np.abs(aside) < config.on_line_m)
-        if config.chance_test is not None:
-            expected = self._chance * np.count_nonzero(found.seen)
-            if np.count_nonzero(on_line) <= expected + config.chance_test.sigmas * np.sqrt(expected):
-                return False
-        if config.near_part is None:
-            return True
+        expected = self._chance * np.count_nonzero(found.seen)
+        if np.count_nonzero(on_line) <= expected + config.chance_test.sigmas * np.sqrt(expected):
+            return False
         far, least = found.forward_m >= config.near_part.within_m, config.near_part.least_rows
         if not found.seen[:, far].any():
             return True
@@ -99,8 +95,8 @@ class LaneFilter:
     @property
     def _chance(self) -> float:
         """Share of uniformly distributed observations that lie on a line and have a neighbour along it."""
-        config, test = self.config, self.config.neighbour_test
-        along = 1.0 if test is None else 1.0 - (1.0 - test.apart_m / config.reach_m) ** 2
+        config = self.config
+        along = 1.0 - (1.0 - config.neighbour_test.apart_m / config.reach_m) ** 2
         return config.on_line_m / config.reach_m * along
 
     @property
@@ -114,10 +110,8 @@ class LaneFilter:
         return float(np.sqrt(self.covariance[0, 0]))
 
 
-def _along(aside_m: Floats, test: NeighbourTestConfig | None) -> Bools:
-    """(L, R) observations with a neighbour at nearly the same offset from the line; all of them without a test."""
-    if test is None:
-        return np.isfinite(aside_m)
+def _along(aside_m: Floats, test: NeighbourTestConfig) -> Bools:
+    """(L, R) observations with a neighbour at nearly the same offset from the line."""
     with np.errstate(invalid="ignore"):
         along = np.abs(np.diff(aside_m, axis=1)) < test.apart_m
     line = np.zeros(aside_m.shape, np.bool_)
