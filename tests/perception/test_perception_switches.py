@@ -1,4 +1,4 @@
-"""Each mechanism of egomotion and road can be switched off in a variant's file."""
+"""Each optional mechanism of egomotion can be switched off in a variant's file."""
 
 from math import isfinite
 from pathlib import Path
@@ -13,7 +13,7 @@ from vpf_sim.planning.variant import load
 from vpf_sim.types import Camera, VehicleModel
 
 SPEED_MPS, RATE_HZ, FRAMES = 5.55, 20.0, 6
-SECTIONS = ("flow", "focus_of_expansion", "camera_pitch", "odometry", "road_edges")
+SECTIONS = ("flow", "focus_of_expansion")
 NEEDED = {"focus_of_expansion.fit"}  # the robust method is this fit
 
 

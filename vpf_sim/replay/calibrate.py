@@ -166,7 +166,6 @@ def _travel_directions(
     """Directions of travel by the observations, all of them or those on straight road only."""
     config = variant.load(VARIANT).focus_of_expansion
     assert config.fit is not None  # of the robust variant
-    assert config.fit.rotation is not None
     usual = config.fit.rotation
     random = stream(0, "mounting")
     rows: list[tuple[float, ...]] = []

@@ -45,8 +45,8 @@ class FlowDerotation:
 
     def __init__(self, camera: Camera, variant: Variant, rate_hz: float, fixed: FixedStructure | None = None) -> None:
         fit = variant.focus_of_expansion.fit
-        if fit is None or fit.rotation is None:
-            raise InputError("flow derotation: expected a variant with [focus_of_expansion.fit.rotation], got none")
+        if fit is None:
+            raise InputError("flow derotation: expected a variant with [focus_of_expansion.fit], got none")
         rotation = replace(fit.rotation, yaw_sd_radps=fit.rotation.tilt_sd_radps)
         self._camera = camera
         self._config = replace(variant.focus_of_expansion, fit=replace(fit, rotation=rotation))

@@ -14,7 +14,6 @@ from vpf_sim.types import Camera, Expansion, Floats, Flow
 
 CAMERA = Camera()
 assert ROBUST.camera_pitch is not None
-assert ROBUST.camera_pitch.dynamic is not None
 PITCH, DYNAMIC = ROBUST.camera_pitch, ROBUST.camera_pitch.dynamic
 RATE_HZ, SPEED_MPS, WINDOW, FRAMES = 60.0, 5.55, 6, 150
 STRUCTURE = np.eye(2) * 900.0

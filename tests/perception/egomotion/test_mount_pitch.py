@@ -22,7 +22,6 @@ from vpf_sim.types import Camera, Expansion, Floats, Flow, RoadEdges, VehicleMod
 
 CAMERA = Camera()
 assert ROBUST.camera_pitch is not None
-assert ROBUST.camera_pitch.mounting is not None
 PITCH, MOUNTING = ROBUST.camera_pitch, ROBUST.camera_pitch.mounting
 SPEED_MPS, RATE_HZ = 5.55, 20.0
 BEND = np.array([1.2, 0.1, 0.004, 0.006, 0.008, 0.01, 3.5, 0.006])

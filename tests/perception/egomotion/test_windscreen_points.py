@@ -11,7 +11,6 @@ from vpf_sim.types import Camera, Floats
 
 CAMERA = Camera(forward_m=0.0)
 HERE = np.zeros(3)
-assert ROBUST.flow.windscreen_points is not None
 CONFIG = ROBUST.flow.windscreen_points
 
 

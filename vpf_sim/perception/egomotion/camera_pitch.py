@@ -16,7 +16,7 @@ from math import exp
 import cv2
 import numpy as np
 
-from vpf_sim.perception.egomotion.egomotion_settings import DynamicPitchConfig, PitchConfig
+from vpf_sim.perception.egomotion.egomotion_settings import PitchConfig
 from vpf_sim.perception.egomotion.focus_fit import NEAR_PX
 from vpf_sim.perception.egomotion.focus_of_expansion import Derotated, derotated
 from vpf_sim.perception.egomotion.mount_pitch import MountPitch
@@ -31,24 +31,23 @@ class PitchEstimator:
 
     def __init__(self, camera: Camera, config: PitchConfig, rate_hz: float) -> None:
         self._camera = camera
-        self._dynamic = config.dynamic
+        self._config = config.dynamic
         self._rate_hz = rate_hz
         self._sums: deque[float] = deque(maxlen=round(MEMORY_S * rate_hz))
         self._slow_rad = 0.0
         self._square_rad2 = 0.0
         self._pitches = False
-        self._mounting = MountPitch(config.mounting) if config.mounting else None
+        self._mounting = MountPitch(config.mounting)
         self.pitch_rad = 0.0  # dynamic pitch, + looks down
 
     def update_mount_pitch(self, pitch_rad: float, sigma_rad: float, time_s: float) -> None:
         """Add the pitch that the road's lines show in the frame of `update`."""
-        if self._mounting is not None:
-            self._mounting.update(pitch_rad - self.dynamic_rad, sigma_rad, time_s)
+        self._mounting.update(pitch_rad - self.dynamic_rad, sigma_rad, time_s)
 
     @property
     def mounted_rad(self) -> float:
         """Mount pitch to compensate."""
-        return self._mounting.pitch_rad if self._mounting else 0.0
+        return self._mounting.pitch_rad
 
     @property
     def is_needed(self) -> bool:
@@ -67,8 +66,7 @@ class PitchEstimator:
 
     def update(self, flow: Flow, foe: Expansion, turned: Derotated | None = None) -> Flow:
         """The flow of a camera without pitch; `turned` is the flow `derotated`, if it is at hand."""
-        if self._dynamic is not None:
-            self._add(flow, foe, turned or derotated(flow, self._camera), self._dynamic)
+        self._add(flow, foe, turned or derotated(flow, self._camera))
         if not self.is_needed:
             return flow
         now = self._steady(flow.points_px, np.full(len(flow), self.total_rad))
@@ -89,14 +87,15 @@ class PitchEstimator:
         ).astype(np.uint8, copy=False)
         return steady
 
-    def _add(self, flow: Flow, foe: Expansion, turned: Derotated, config: DynamicPitchConfig) -> None:
+    def _add(self, flow: Flow, foe: Expansion, turned: Derotated) -> None:
+        config = self._config
         frames = round(float(flow.gap_s.max(initial=0.0)) * self._rate_hz)
         if not self._sums:
             self._sums.append(0.0)
             return
         found = self._sums[-1]
         if 0 < frames <= len(self._sums):
-            change = self._change(flow, foe, turned, frames / self._rate_hz, config)
+            change = self._change(flow, foe, turned, frames / self._rate_hz)
             # The last frame and the mean rate tie the sums of interleaved windows together.
             share = config.smoothness
             found = (1.0 - share) * (self._sums[-frames] + change) + share * (self._sums[-1] + change / frames)
@@ -115,8 +114,9 @@ class PitchEstimator:
         sums, index = np.array(self._sums), np.asarray(frames, np.int64)
         return np.asarray(self.total_rad - sums[-1] + sums[np.maximum(len(sums) - 1 - index, 0)])
 
-    def _change(self, flow: Flow, foe: Expansion, turned: Derotated, gap_s: float, config: DynamicPitchConfig) -> float:
+    def _change(self, flow: Flow, foe: Expansion, turned: Derotated, gap_s: float) -> float:
         """Change of the pitch in rad over the windows of `gap_s`."""
+        config = self._config
         chosen = np.flatnonzero((np.abs(flow.gap_s - gap_s) < 0.5 / self._rate_hz) & ~flow.on_glass)
         if foe.confidence == 0.0 or len(chosen) < config.least_points:
             return 0.0
@@ -129,7 +129,7 @@ class PitchEstimator:
         slope = (turn[:, 0] * y - turn[:, 1] * x) * nearness
         found, left = _fit(across, slope), x < 0.0
         few = min(np.count_nonzero(left), np.count_nonzero(~left)) < config.least_points
-        if few or config.sides is None or abs(found) < config.sides.apart_rad:
+        if few or abs(found) < config.sides.apart_rad:
             return found
         # The whole image pitches, but a car that overtakes fills one side.
         sides = [_fit(across[side], slope[side]) for side in (left, ~left)]

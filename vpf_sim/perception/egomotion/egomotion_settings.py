@@ -80,6 +80,8 @@ class FlowConfig:
     min_distance_px: float = setting("Least distance between two points.", gt=0.0)
     detect_period_s: float = setting("Time between two searches of a band for corners.", gt=0.0)
     reach_px_per_s: float = setting("Fastest motion that is tracked.", gt=0.0)
+    windscreen_points: WindscreenPointConfig = setting("Marks drops and dirt on the windscreen.")
+    settled_points: SettledPointConfig = setting("Drops old points of the flat road for new ones.")
     max_level: int | None = setting("Pyramid levels; none: as many as `reach_px_per_s` needs.", default=None, ge=0)
     forward_backward_px: float | None = setting(
         "Largest distance of a point after tracking it back.", default=None, gt=0.0
@@ -93,8 +95,6 @@ class FlowConfig:
     wiper: WiperConfig | None = setting(
         "Predicts points that a wiper occludes, and searches for them afterwards.", default=None
     )
-    windscreen_points: WindscreenPointConfig | None = setting("Marks drops and dirt on the windscreen.", default=None)
-    settled_points: SettledPointConfig | None = setting("Drops old points of the flat road for new ones.", default=None)
 
     def __post_init__(self) -> None:
         if self.window_px % 2 == 0:
@@ -142,15 +142,11 @@ class FocusFitConfig:
     min_flow_px: float = setting("Least motion of a point that votes.", gt=0.0)
     least_points: int = setting("Least number of voting points.", ge=2)
     sharp_rad: float = setting("Standard deviation of the direction that halves the confidence.", gt=0.0)
+    temporal_prior: TemporalPriorConfig = setting("Takes the focus of the frame before as a prior.")
+    rotation: RotationFitConfig = setting("Fits the rates of rotation that are not measured.")
+    ransac: RansacConfig = setting("Finds the fit's start by RANSAC.")
     direction_prior: DirectionPriorConfig | None = setting(
         "Assumes that the vehicle moves nearly straight ahead.", default=None
-    )
-    temporal_prior: TemporalPriorConfig | None = setting(
-        "Takes the focus of the frame before as a prior.", default=None
-    )
-    rotation: RotationFitConfig | None = setting("Fits the rates of rotation that are not measured.", default=None)
-    ransac: RansacConfig | None = setting(
-        "Finds the fit's start by RANSAC; none: the prior is the start.", default=None
     )
 
 
@@ -198,13 +194,13 @@ class DynamicPitchConfig:
         "Root mean square from which the pitch is compensated, until it falls below half of this.", gt=0.0
     )
     least_points: int = setting("Least number of points for an estimate.", ge=1)
-    sides: PitchSidesConfig | None = setting("Takes the smaller pitch of two image halves that disagree.", default=None)
+    sides: PitchSidesConfig = setting("Takes the smaller pitch of two image halves that disagree.")
 
 
 @settings
 class PitchConfig:
-    dynamic: DynamicPitchConfig | None = setting("Compensates the pitching on the springs by the flow.", default=None)
-    mounting: MountPitchConfig | None = setting("Compensates the mount pitch by the road's lines.", default=None)
+    dynamic: DynamicPitchConfig = setting("Compensates the pitching on the springs by the flow.")
+    mounting: MountPitchConfig = setting("Compensates the mount pitch by the road's lines.")
 
 
 @settings
@@ -224,7 +220,5 @@ class OdometryConfig:
     rough_rad: float = setting("Random walk of the heading in a second from which the pose is replaced.", gt=0.0)
     settle_s: float = setting("Time constant of the averages of position and heading.", gt=0.0)
     watched_s: float = setting("Time from the start before which the pose is not judged.", gt=0.0)
-    standstill_mps: float | None = setting("Speed below which the vehicle is at standstill.", default=None, gt=0.0)
-    calibration: OdometryCalibrationConfig | None = setting(
-        "Fits the speed's scale and the yaw rate's bias.", default=None
-    )
+    standstill_mps: float = setting("Speed below which the vehicle is at standstill.", gt=0.0)
+    calibration: OdometryCalibrationConfig = setting("Fits the speed's scale and the yaw rate's bias.")

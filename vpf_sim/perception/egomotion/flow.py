@@ -248,7 +248,7 @@ class FlowTracker:
 
     def _mark_windscreen_points(self, pose: Floats) -> None:
         tracks, config = self._tracks, self.config.windscreen_points
-        if config is not None and len(tracks):
+        if len(tracks):
             tracks.on_glass = on_glass(self.camera, tracks.trail[0], tracks.first_px, tracks.first_pose, pose, config)
 
     def _update_structure(self, image: Image) -> None:
@@ -279,8 +279,7 @@ class FlowTracker:
             turn = (self._frame - index * self._period_frames // len(self._bands)) % self._period_frames == 0
             if self._frame and not turn:
                 continue
-            if self.config.settled_points is not None:
-                self._drop_settled(rows, quota, self.config.settled_points)
+            self._drop_settled(rows, quota, self.config.settled_points)
             points = self._tracks.trail[0]
             inside = _in_band(points, rows)
             wanted = quota - np.count_nonzero(inside & ~self._tracks.on_glass)

@@ -78,12 +78,10 @@ def _start(
 ) -> Floats | None:
     """(2,) px, the start of the fit: the last FOE while most points agree with it, else the one of RANSAC."""
     p, v, tolerance = (values.astype(np.float32) for values in (points_px, flow_px, tolerance_px))
-    if prior.expected_px is not None and config.temporal_prior is not None:
+    if prior.expected_px is not None:
         votes = _votes(p, v, tolerance, prior.expected_px[None].astype(np.float32))
         if votes[0] > config.temporal_prior.accepted_share * len(p):
             return prior.expected_px
-    if config.ransac is None:
-        return prior.state[:2] if prior.expected_px is None else prior.expected_px
     return _searched(p, v, tolerance, prior, rng, config.ransac)
 
 

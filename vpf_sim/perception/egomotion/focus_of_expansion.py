@@ -136,7 +136,7 @@ def _robust(
 def _prior(camera: Camera, config: FocusFitConfig, before: Expansion | None, rate_hz: float) -> Prior:
     """Usual direction and rates of a vehicle, combined with the last FOE."""
     usual = _usual(camera, config)
-    if config.temporal_prior is None or before is None or not np.isfinite(before.covariance_px2).all():
+    if before is None or not np.isfinite(before.covariance_px2).all():
         return usual
     information = usual.information.copy()
     last = np.array([before.x_px, before.y_px])
@@ -153,7 +153,7 @@ def _usual(camera: Camera, config: FocusFitConfig) -> Prior:
     information = np.zeros((5, 5))
     direction, rotation = config.direction_prior, config.rotation
     sides_rad = (direction.side_sd_rad, direction.height_sd_rad) if direction else (inf, inf)
-    rates = (rotation.tilt_sd_radps, rotation.yaw_sd_radps, rotation.tilt_sd_radps) if rotation else (0.0, 0.0, 0.0)
+    rates = (rotation.tilt_sd_radps, rotation.yaw_sd_radps, rotation.tilt_sd_radps)
     sides = np.array(sides_rad) * [camera.fx_px, camera.fy_px]
     information.flat[::6] = [*sides**-2.0, *(max(sd, 1e-9) ** -2.0 for sd in rates)]
     return Prior(np.array([*straight_ahead_px(camera), 0.0, 0.0, 0.0]), information, None)
@@ -179,7 +179,7 @@ def _rate_hz(flow: Flow) -> float:
 
 
 def _held(before: Expansion | None, camera: Camera, config: FocusFitConfig, rate_hz: float, count: int) -> Expansion:
-    if before is None or config.temporal_prior is None:
+    if before is None:
         return _unknown(camera, count)
     covariance = _drifted(before.covariance_px2, camera, config.temporal_prior, rate_hz)
     return Expansion(before.x_px, before.y_px, covariance, np.zeros(count, np.bool_), 0.0)

@@ -83,9 +83,8 @@ class Odometry:
         self._l_r_m = vehicle.l_r_m
         slip = atan(vehicle.l_r_m / vehicle.wheelbase_m * tan(vehicle.steering_limit_rad))
         self._tightest_per_m = 2.0 * sin(slip) / vehicle.l_r_m  # twice the limit, for the readings' noise
-        calibration = config.calibration
-        self._stretch = _Constant(calibration.scale_sd**2 if calibration else 0.0)  # speedometer's scale - 1
-        self._bias = _Constant(calibration.bias_sd_radps**2 if calibration else 0.0)
+        self._stretch = _Constant(config.calibration.scale_sd**2)  # speedometer's scale - 1
+        self._bias = _Constant(config.calibration.bias_sd_radps**2)
         self._last: Observation | None = None
         self._rough = tuple(_Roughness(config.settle_s) for _ in range(3))  # ahead, aside, turn
         self._pose = (0.0, 0.0, 0.0)
@@ -100,8 +99,7 @@ class Odometry:
             way = 0.5 * (last.speed_mps + observation.speed_mps) * time_s
             self._compare(last, observation, way, turn, time_s)
             if self.is_needed:
-                standstill_mps = self._config.standstill_mps
-                if standstill_mps is not None and way < standstill_mps * time_s:
+                if way < self._config.standstill_mps * time_s:
                     way = turn = 0.0  # noise of the sensors would move a standing vehicle
                 return self._integrated(observation, self.scale * way, turn - self.bias_radps * time_s)
         self._pose = (observation.x_m, observation.y_m, observation.yaw_rad)
@@ -153,8 +151,6 @@ class Odometry:
         strays = 0.5 * (along.walk + across.walk) > config.rough_m**2 * time_s
         rough = strays or turning.walk > config.rough_rad**2 * time_s
         self.is_needed = self.is_needed or (rough and turning.watched_s > config.watched_s)
-        if (known := config.calibration) is None:
-            return
-        drift = known.drift_share**2 * time_s
+        known, drift = config.calibration, config.calibration.drift_share**2 * time_s
         self._stretch.update(excess[0], ahead, along.noise, known.walk_m**2 * time_s, drift * known.scale_sd**2)
         self._bias.update(excess[2], -time_s, turning.noise, known.walk_rad**2 * time_s, drift * known.bias_sd_radps**2)
