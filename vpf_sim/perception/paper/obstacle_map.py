@@ -6,7 +6,6 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vpf_sim.geometry import horizon_px
 from vpf_sim.perception.egomotion.ground_plane import ground_flow
 from vpf_sim.perception.paper.obstacle_region import Surroundings, inside
 from vpf_sim.perception.paper.paper_settings import ObstacleMapConfig
@@ -34,9 +33,6 @@ def on_obstacle(flow: Flow, camera: Camera, config: ObstacleMapConfig, around: S
     Otsu on |r| always finds some; the absolute test finds none where there is none.
     """
     candidates = flow.gap_s > 0.0
-    if config.above_horizon_px is not None:
-        horizon = horizon_px(camera)
-        candidates = candidates & (flow.points_px[:, 1] > horizon - config.above_horizon_px)
     if around is not None and config.region is not None:
         candidates = candidates & inside(flow.points_px, camera, around, config.region)
     if config.method == "otsu_flow":

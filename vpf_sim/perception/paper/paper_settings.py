@@ -50,9 +50,6 @@ class ObstacleMapConfig:
     sigma_px: float | None = setting(
         "Standard deviation of the Gaussian in the full image; none: no gradient.", default=None, gt=0.0
     )
-    above_horizon_px: float | None = setting(
-        "Height above the horizon from which points are ignored; none: all are kept.", default=None
-    )
     region: RegionConfig | None = setting("Keeps the points of a region; none: those of the full frame.", default=None)
 
     @property
