@@ -13,7 +13,7 @@ from vpf_sim.planning.visibility import SpeedInSight, speed_within_clear_distanc
 from vpf_sim.types import UNLIMITED, Camera, LowObstacleRange, RoadEdges, VehicleModel
 
 VISIBILITY = unwrap(ROBUST.visibility)
-CONFIG = replace(unwrap(VISIBILITY.clear_distance), brake_mps2=3.0)
+CONFIG = replace(VISIBILITY.clear_distance, brake_mps2=3.0)
 CAR = VehicleModel()
 BUMPER_M = 0.5 * CAR.length_m
 

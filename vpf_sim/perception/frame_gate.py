@@ -40,13 +40,9 @@ class FrameGateConfig:
     sample_px: int = setting("Spacing of the compared pixels, in rows and columns.", ge=1)
     flat_levels: int = setting("Least difference of the brightest and darkest grey level.", ge=0)
     moved_m: float = setting("Travel of the car after which no two frames are equal.", gt=0.0)
-    noise: NoisyFrameConfig | None = setting("Does not process noisy frames.", default=None)
-    jump: BrightnessJumpConfig | None = setting(
-        "Does not process frames that are much brighter or darker.", default=None
-    )
-    torn: TornFrameConfig | None = setting(
-        "Does not process frames that end with a part of the last frame.", default=None
-    )
+    noise: NoisyFrameConfig = setting("Does not process noisy frames.")
+    jump: BrightnessJumpConfig = setting("Does not process frames that are much brighter or darker.")
+    torn: TornFrameConfig = setting("Does not process frames that end with a part of the last frame.")
 
 
 class FrameGate:
@@ -58,7 +54,7 @@ class FrameGate:
         self._sample: Image | None = None
         self._changed_at_m = (0.0, 0.0)  # of the car when the image last changed
         self._stays: Floats = np.empty(0)  # (rows,) share of the frames in which each row repeats
-        self._levels: deque[float] = deque(maxlen=config.jump.frames if config.jump else 1)
+        self._levels: deque[float] = deque(maxlen=config.jump.frames)
 
     def passes(self, image: Image, frame_time_s: float, place_m: tuple[float, float]) -> bool:
         """Whether an (H, W, 3) frame, taken at this time and place, is new and valid."""
@@ -87,7 +83,7 @@ class FrameGate:
             return not moved
         self._changed_at_m = place_m
         config = self._config.torn
-        if config is None or not moved:
+        if not moved:
             return True
         below = int(np.argmin(same[::-1]))  # the lowest rows that repeat the last frame
         torn = below >= config.rows and float(self._stays[-below:].mean()) < config.usual_share
@@ -97,7 +93,7 @@ class FrameGate:
     def _jumps(self, level: float) -> bool:
         """Whether a frame is much brighter or darker than the last ones."""
         config = self._config.jump
-        if config is None or not self._levels:
+        if not self._levels:
             return False
         usual = float(np.median(self._levels))
         return not usual / config.ratio <= level <= usual * config.ratio
@@ -105,8 +101,6 @@ class FrameGate:
     def _has_noise(self, image: Image) -> bool:
         """Whether neighbouring rows are unrelated."""
         config = self._config.noise
-        if config is None:
-            return False
         rows = image[:, :: self._config.sample_px, 1].astype(np.int16)
         wild: Bools = np.abs(rows[1:] - rows[:-1]).mean(axis=1) > config.row_levels
         run = wild[: len(wild) - config.rows + 1].copy()

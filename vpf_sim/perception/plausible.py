@@ -24,8 +24,8 @@ class SpeedCheckConfig:
 
 @settings
 class PlausibilityConfig:
-    yaw_rate: YawRateCheckConfig | None = setting("Replaces yaw rates that jump.", default=None)
-    speed: SpeedCheckConfig | None = setting("Replaces a stuck speed by that of the pose.", default=None)
+    yaw_rate: YawRateCheckConfig = setting("Replaces yaw rates that jump.")
+    speed: SpeedCheckConfig = setting("Replaces a stuck speed by that of the pose.")
 
 
 class Plausibility:
@@ -49,7 +49,7 @@ class Plausibility:
     def _yaw_rate(self, observation: Observation) -> float:
         """rad/s, the last accepted one if the reading jumped by more than the steering can turn the car."""
         config, measured, now_s = self._config.yaw_rate, observation.yaw_rate_radps, observation.time_s
-        if config is not None and self._accepted_s is not None:
+        if self._accepted_s is not None:
             since_s = now_s - self._accepted_s
             most = config.noise_radps + self._turning_per_m * max(observation.speed_mps, 0.0) * since_s
             if abs(measured - self._yaw_rate_radps) > most and since_s < config.held_s:
@@ -60,8 +60,6 @@ class Plausibility:
     def _speed(self, observation: Observation) -> float:
         """m/s, by the pose if the speedometer is stuck and the pose moves at another speed."""
         config, recent, measured = self._config.speed, self._recent, observation.speed_mps
-        if config is None:
-            return measured
         if recent and recent[-1].speed_mps != measured:
             recent.clear()
         recent.append(replace(observation, image=observation.image[:0]))

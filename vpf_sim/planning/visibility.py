@@ -30,7 +30,7 @@ class VisibilityConfig:
 
     lost_road_mps: float = setting("Speed where the road is not visible.", gt=0.0)
     lost_road_m: float = setting("Distance without a visible road after which the car stops.", gt=0.0)
-    clear_distance: ClearDistanceConfig | None = setting("Slows where little of the road is seen.", default=None)
+    clear_distance: ClearDistanceConfig = setting("Slows where little of the road is seen.")
 
 
 class SpeedInSight:
@@ -43,9 +43,7 @@ class SpeedInSight:
     def limit(self, perception: Perception, way_m: float) -> float:
         """m/s at most after the car has come `way_m` since the last step; inf where all is seen."""
         config, road = self._config, perception.road
-        allowed = inf
-        if config.clear_distance is not None:
-            allowed = speed_within_clear_distance(perception.low_range_m, config.clear_distance, self._setup)
+        allowed = speed_within_clear_distance(perception.low_range_m, config.clear_distance, self._setup)
         if max(road.confidence, road.lane_confidence) > 0.0:
             self._lost_m = 0.0
             return allowed
