@@ -99,10 +99,14 @@ def project(camera: Camera, points_m: Floats) -> Floats:
     return pixels
 
 
+def normalised(camera: Camera, pixels: Floats) -> tuple[Floats, Floats]:
+    """x and y (...,) of undistorted pixels (..., 2) in an image at unit depth: + is right, and down."""
+    return (pixels[..., 0] - camera.cx_px) / camera.fx_px, (pixels[..., 1] - camera.cy_px) / camera.fy_px
+
+
 def ground_from_pixels(camera: Camera, pixels: Floats) -> Floats:
     """(..., 2) m, vehicle axes: flat-road points at undistorted pixels; nan above the horizon."""
-    x = (pixels[..., 0] - camera.cx_px) / camera.fx_px
-    y = (pixels[..., 1] - camera.cy_px) / camera.fy_px
+    x, y = normalised(camera, pixels)
     cosine, sine = cos(camera.pitch_rad), sin(camera.pitch_rad)
     down = cosine * y + sine
     depth = np.divide(camera.height_m, down, out=np.full(down.shape, np.nan), where=down > 0.0)
@@ -118,8 +122,7 @@ def rotation_flow(camera: Camera, points_px: Floats, yaw_change_rad: Floats) -> 
     Exact for a finite turn about the vertical axis at pitch 0: each point's ray is rotated back and projected. Subtract
     it from the displacement to derotate the flow.
     """
-    x = (points_px[..., 0] - camera.cx_px) / camera.fx_px
-    y = (points_px[..., 1] - camera.cy_px) / camera.fy_px
+    x, y = normalised(camera, points_px)
     cosine, sine = np.cos(yaw_change_rad), np.sin(yaw_change_rad)
     depth = cosine - sine * x
     displacement = np.empty(points_px.shape)

@@ -16,6 +16,7 @@ from math import exp
 import cv2
 import numpy as np
 
+from vpf_sim.geometry import normalised
 from vpf_sim.perception.egomotion.egomotion_settings import PitchConfig
 from vpf_sim.perception.egomotion.focus_fit import NEAR_PX
 from vpf_sim.perception.egomotion.focus_of_expansion import Derotated, derotated
@@ -139,8 +140,7 @@ class PitchEstimator:
     def _motion(self, points_px: Floats) -> Floats:
         """(N, 2) px per rad of pitch."""
         camera = self._camera
-        x = (points_px[:, 0] - camera.cx_px) / camera.fx_px
-        y = (points_px[:, 1] - camera.cy_px) / camera.fy_px
+        x, y = normalised(camera, points_px)
         motion = np.empty(points_px.shape)
         np.multiply(-camera.fx_px * x, y, out=motion[:, 0])
         np.multiply(-camera.fy_px, 1.0 + y * y, out=motion[:, 1])

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vpf_sim.geometry import normalised
 from vpf_sim.perception.egomotion.egomotion_settings import FocusFitConfig, RansacConfig
 from vpf_sim.types import Bools, Camera, Floats
 
@@ -147,8 +148,7 @@ def _tilt_flow(camera: Camera, points_px: Floats, gap_s: Floats) -> Floats:
 
     To first order and up to sign (Longuet-Higgins and Prazdny 1980).
     """
-    x = (points_px[:, 0] - camera.cx_px) / camera.fx_px
-    y = (points_px[:, 1] - camera.cy_px) / camera.fy_px
+    x, y = normalised(camera, points_px)
     along_x, along_y = camera.fx_px * gap_s, camera.fy_px * gap_s
     motion = np.empty((2, 3, len(x)))
     motion[0, 0], motion[0, 1], motion[0, 2] = along_x * x * y, along_x * (1.0 + x * x), -along_x * y

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vpf_sim.geometry import normalised
 from vpf_sim.perception.egomotion.egomotion_settings import NoiseModel
 from vpf_sim.perception.egomotion.ground_plane import relative_pose
 from vpf_sim.perception.egomotion.triangulation import information
@@ -68,8 +69,7 @@ class PointMotions(Rows):
 def point_motions(flow: Flow, camera: Camera, window_px: int, noise: NoiseModel) -> PointMotions:
     """The motions over the flow's windows; a past ray is f - f_w w - f_u u w - f_v v w forward, and so on."""
     ray, past = rays(camera, flow.points_px), flow.points_px - flow.displacement_px
-    x = (past[:, 0] - camera.cx_px) / camera.fx_px
-    y = (past[:, 1] - camera.cy_px) / camera.fy_px
+    x, y = normalised(camera, past)
     position, turn = relative_pose(flow.past_pose, flow.pose)
     cosine, sine = np.cos(turn), np.sin(turn)
     zero = np.zeros_like(x)

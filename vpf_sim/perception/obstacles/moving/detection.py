@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vpf_sim.geometry import normalised
 from vpf_sim.perception.egomotion.triangulation import Triangulation
 from vpf_sim.perception.obstacles.moving.moving_obstacle_settings import MovingObstacleConfig
 from vpf_sim.perception.obstacles.moving.track import Detection
@@ -31,8 +32,7 @@ def measure(
     flow: Flow, points: Triangulation, camera: Camera, rate_hz: float, config: MovingObstacleConfig
 ) -> MeasuredPoints:
     """The tracked points, and which of them are no static points."""
-    x = (flow.points_px[:, 0] - camera.cx_px) / camera.fx_px
-    y = (flow.points_px[:, 1] - camera.cy_px) / camera.fy_px
+    x, y = normalised(camera, flow.points_px)
     drop = np.cos(camera.pitch_rad) * y + np.sin(camera.pitch_rad)
     below = drop / camera.height_m
     with np.errstate(divide="ignore", invalid="ignore"):

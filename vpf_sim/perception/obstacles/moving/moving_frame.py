@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vpf_sim.geometry import normalised
 from vpf_sim.perception.egomotion.egomotion_settings import NoiseModel
 from vpf_sim.perception.egomotion.ground_plane import past_image
 from vpf_sim.perception.egomotion.triangulation import information
@@ -41,8 +42,7 @@ class Residuals:
 
 def rays(camera: Camera, points_px: Floats) -> Floats:
     """(M, 3) forward, right, down of pixels (M, 2) at unit depth, in the axes of the vehicle."""
-    x = (points_px[:, 0] - camera.cx_px) / camera.fx_px
-    y = (points_px[:, 1] - camera.cy_px) / camera.fy_px
+    x, y = normalised(camera, points_px)
     cosine, sine = np.cos(camera.pitch_rad), np.sin(camera.pitch_rad)
     return np.stack([cosine - sine * y, x, sine + cosine * y], axis=1)
 
