@@ -19,7 +19,7 @@ from vpf_sim.perception.schedule import Schedule
 from vpf_sim.planning.variant import FrameConfig, Variant
 from vpf_sim.scene.evidence import Evidence
 from vpf_sim.timing import timed
-from vpf_sim.types import Floats, Image, LowObstacleRange, Obstacles, Perception
+from vpf_sim.types import Image, LowObstacleRange, Obstacles, Perception
 
 NO_IMAGE: Image = np.empty((0, 0, 3), np.uint8)
 
@@ -135,12 +135,12 @@ class Perceiver:
         taken = self._selection.select(observation)
         self._has_processed = taken is not None
         if taken is not None:
-            self._last = self._process(taken, taken.pose)
+            self._last = self._process(taken)
             self._last_s = taken.time_s
             if taken is observation:
                 return self._last
         assert self._last is not None  # the first frame is always processed
-        return self._predicted(self._last, observation, observation.pose)
+        return self._predicted(self._last, observation)
 
     def limit_mps(self, observation: Observation) -> float:
         """The speed limit: inf, or after too long without a new frame one that brakes to a stop."""
@@ -148,13 +148,13 @@ class Perceiver:
             return inf
         return max(comfortable_speed(observation.speed_mps), 0.0)
 
-    def _process(self, taken: Observation, pose: Floats) -> Perception:
+    def _process(self, taken: Observation) -> Perception:
         """Run the pipeline on a frame."""
         state = self._state
-        state.observation, state.pose, state.late = taken, pose, self._selection.late
+        state.observation, state.pose, state.late = taken, taken.pose, self._selection.late
         state.gap_s = taken.time_s - self._last_s
         if self._last is not None:
-            state.obstacles = self._moved(self._last, taken, pose)
+            state.obstacles = self._moved(self._last, taken)
         self.pipeline.run(state)
         assert state.foe is not None
         return Perception(
@@ -163,19 +163,19 @@ class Perceiver:
             features=state.features,
             obstacles=state.obstacles,
             road=state.road,
-            pose=pose,
+            pose=state.pose,
             low_range_m=state.low_range_m,
         )
 
     @timed("prediction")
-    def _predicted(self, last: Perception, observation: Observation, pose: Floats) -> Perception:
+    def _predicted(self, last: Perception, observation: Observation) -> Perception:
         """The last frame's perception at another pose, by the car's own motion and the obstacles' motion."""
-        road = self._trackers.road.predicted(pose, observation.speed_mps, observation.yaw_rate_radps)
+        road = self._trackers.road.predicted(observation.pose, observation.speed_mps, observation.yaw_rate_radps)
         return replace(
             last,
-            obstacles=self._moved(last, observation, pose),
+            obstacles=self._moved(last, observation),
             road=road,
-            pose=pose,
+            pose=observation.pose,
             low_range_m=self._low_range(last, observation),
         )
 
@@ -187,7 +187,7 @@ class Perceiver:
         now_m, best_m = last.low_range_m
         return LowObstacleRange(max(now_m - observation.speed_mps * (since_s - self._period_s), 0.0), best_m)
 
-    def _moved(self, last: Perception, observation: Observation, pose: Floats) -> Obstacles:
-        """The last frame's obstacles in the axes of another pose, the moving ones where they are by now."""
+    def _moved(self, last: Perception, observation: Observation) -> Obstacles:
+        """The last frame's obstacles in the axes at an observation, the moving ones where they are by then."""
         since_s = observation.time_s - self._last_s
-        return predict(last.obstacles, last.pose, pose, last.road, since_s)
+        return predict(last.obstacles, last.pose, observation.pose, last.road, since_s)

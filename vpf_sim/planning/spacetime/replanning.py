@@ -2,7 +2,7 @@
 
 from vpf_sim.driver_interface import Observation
 from vpf_sim.planning.spacetime import settings
-from vpf_sim.planning.spacetime.motion import Motion, MotionPlan
+from vpf_sim.planning.spacetime.motion import MotionPlan
 from vpf_sim.planning.spacetime.planner import SpacetimePlanner
 from vpf_sim.planning.spacetime.tracking import reference
 from vpf_sim.scene import Road, Scene
@@ -19,21 +19,22 @@ class MotionReplanner:
     def __init__(self, vehicle: VehicleModel) -> None:
         self._vehicle = vehicle
         self._planner = SpacetimePlanner(settings.load(), vehicle)
-        self._motion: Motion | None = None
 
     def is_due(self, time_s: float) -> bool:
         """Whether a new motion is due."""
-        return self._motion is None or time_s >= self._motion.time_s + REPLAN_S - EXACT_S
+        last = self._planner.motion
+        return last is None or time_s >= last.time_s + REPLAN_S - EXACT_S
 
     def plan(self, scene: Scene) -> None:
         """Plan the motion anew."""
-        self._motion = self._planner.plan(scene)
+        self._planner.plan(scene)
 
     def follow(
         self, road: Road, observation: Observation, place_m: tuple[float, float]
     ) -> tuple[Reference, MotionPlan]:
         """The reference for the car at (s, d) m, and the motion that it follows."""
-        if self._motion is None:
+        motion = self._planner.motion
+        if motion is None:
             raise ValueError("motion: expected a plan before the first reference, got none")
-        wanted = reference(self._motion, road, observation, place_m, self._vehicle)
-        return wanted, MotionPlan(self._motion, road, self._vehicle, observation.pose)
+        wanted = reference(motion, road, observation, place_m, self._vehicle)
+        return wanted, MotionPlan(motion, road, self._vehicle, observation.pose)
