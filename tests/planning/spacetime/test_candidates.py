@@ -42,7 +42,7 @@ def test_slope_and_bend_are_the_derivatives() -> None:
 
 
 def test_the_last_path_is_a_candidate() -> None:
-    kept = paths().only(3)
+    kept = paths().select(np.array([3]))
     again = candidates.paths(SETTINGS, replace(START, s_m=12.0), road(), 1.9, kept)
     assert again.start_m[-1] == 10.0
     np.testing.assert_array_equal(again.coefficients[-1], kept.coefficients[0])

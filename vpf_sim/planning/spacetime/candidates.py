@@ -11,7 +11,7 @@ import numpy as np
 
 from vpf_sim.planning.spacetime.settings import CandidateSettings
 from vpf_sim.scene.road import Road
-from vpf_sim.types import Reals
+from vpf_sim.types import Reals, Rows
 
 SAME_MPS = 1e-3  # end speeds that are nearer to each other are one
 STRAIGHT, STRAIGHT_PER_M = 0.02, 0.02  # slope and bend of a car that may go straight on, and turn later
@@ -31,7 +31,7 @@ class PathState:
 
 
 @dataclass(frozen=True, slots=True)
-class Paths:
+class Paths(Rows):
     """P quintics d(u) of u = (s - start) / length in [0, 1], constant before and beyond."""
 
     start_m: Reals  # (P,) s
@@ -55,24 +55,14 @@ class Paths:
         bend = (((20.0 * c[5] * u + 12.0 * c[4]) * u + 6.0 * c[3]) * u + 2.0 * c[2]) / length**2
         return d, slope, bend
 
-    def only(self, row: int) -> "Paths":
-        """One of the paths."""
-        return Paths(self.start_m[row : row + 1], self.length_m[row : row + 1], self.coefficients[row : row + 1])
-
 
 @dataclass(frozen=True, slots=True)
-class Profiles:
+class Profiles(Rows):
     """M motions along the road at T times; speeds are not below 0."""
 
     travelled_m: Reals  # (M, T)
     speed_mps: Reals  # (M, T)
     acceleration_mps2: Reals  # (M, T)
-
-    def only(self, row: int) -> "Profiles":
-        """One of the profiles."""
-        return Profiles(
-            *(values[row : row + 1] for values in (self.travelled_m, self.speed_mps, self.acceleration_mps2))
-        )
 
 
 def paths(settings: CandidateSettings, start: PathState, road: Road, width_m: float, kept: Paths | None) -> Paths:
@@ -99,9 +89,7 @@ def paths(settings: CandidateSettings, start: PathState, road: Road, width_m: fl
     slope, bend = (np.where(wait > 0.0, 0.0, value) for value in (start.slope, start.bend_per_m))
     coefficients = _quintic(start.d_m, slope, bend, goal, length)
     found = Paths(start.s_m + wait, length, coefficients)
-    if kept is None:
-        return found
-    return Paths(*(np.concatenate([getattr(one, name) for one in (found, kept)]) for name in Paths.__slots__))
+    return found if kept is None else found.concatenate(kept)
 
 
 def _quintic(start_m: float, slope: Reals, bend_per_m: Reals, end_m: Reals, length_m: Reals) -> Reals:

@@ -54,12 +54,11 @@ class SpacetimePlanner:
         cost = sum(potentials.values()) + beyond[:, None] + self._changes(scene, start, paths, profiles)
         cost = np.broadcast_to(cost, considered.shape).ravel() + price
         best, least, contact_price, collisions = self._cheapest(objects, considered, cost)
-        p, m = divmod(best, considered.shape[1])
+        path, profile = (np.array([row]) for row in divmod(best, considered.shape[1]))
         rejected = _reasons(prices, considered.shape, collisions)
         broken = float(price[best]) + contact_price > REJECTED
-        self.motion = Motion(
-            scene.time_s, start, paths.only(p), profiles.only(m), self._times_s, least, rejected, broken
-        )
+        chosen_path, chosen_profile = paths.select(path), profiles.select(profile)
+        self.motion = Motion(scene.time_s, start, chosen_path, chosen_profile, self._times_s, least, rejected, broken)
         return self.motion
 
     def _objects(self, scene: Scene, origin_m: tuple[float, float]) -> ObstaclePotential:
