@@ -40,6 +40,7 @@ class RoadPicture:
     verge: tuple[int, int, int] = (88, 100, 52)
     half_width_m: float = 7.0
     lane_width_m: float = 3.5
+    paint_ends_m: float = np.inf  # along the centre line
 
     def pose(self, along_m: float, right_m: float, heading_rad: float) -> Floats:
         """(x, y, yaw) `right_m` right of the centre line, turned by `heading_rad` from its direction."""
@@ -68,6 +69,7 @@ class RoadPicture:
         cover = np.clip((0.075 - np.abs(right - lines[nearest])) / ground.pixel_m + 0.5, 0.0, 1.0)
         is_dashed = np.abs(lines[nearest]) < self.half_width_m
         cover *= ~is_dashed | (np.mod(along, 9.0) < 3.0)
+        cover *= along < self.paint_ends_m
         painted = np.flatnonzero(cover)
         colours[painted] += cover[painted, None] * (np.array(PAINT) - colours[painted])
         frame = np.full((*ground.shows.shape, 3), SKY, dtype=float)

@@ -14,7 +14,7 @@ CHANGES = [
     {"gains"},
     {"odometry"},
     {"camera_pitch"},
-    {"static_obstacles", "visibility", "scene", "paper_planner", "obstacle_map"},
+    {"static_obstacles", "visibility", "scene", "paper_planner", "obstacle_map", "verges"},
     {"moving_obstacles", "crossing"},
 ]
 

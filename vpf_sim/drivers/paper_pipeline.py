@@ -33,7 +33,7 @@ class FrameTrackers:
         camera = setup.camera
         return cls(
             FlowTracker(camera, variant.flow, rate_hz),
-            RoadEdgeTracker(camera, variant.road_edges, rate_hz),
+            RoadEdgeTracker(camera, variant.road_edges, rate_hz, variant.verges),
             PitchEstimator(camera, variant.camera_pitch, rate_hz) if variant.camera_pitch else None,
         )
 

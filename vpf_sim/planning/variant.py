@@ -19,7 +19,7 @@ from vpf_sim.perception.obstacles.moving.moving_obstacle_settings import MovingO
 from vpf_sim.perception.obstacles.static_obstacle_settings import StaticObstacleConfig
 from vpf_sim.perception.paper.paper_settings import ContactConfig, ObstacleMapConfig
 from vpf_sim.perception.plausible import PlausibilityConfig
-from vpf_sim.perception.road.road_settings import RoadEdgeConfig
+from vpf_sim.perception.road.road_settings import RoadEdgeConfig, VergeConfig
 from vpf_sim.planning.paper.planner import PaperPlannerConfig
 from vpf_sim.planning.visibility import VisibilityConfig
 from vpf_sim.scene.scene_settings import SceneConfig
@@ -57,6 +57,7 @@ class Variant:
     )
     static_obstacles: StaticObstacleConfig | None = setting("Static obstacle tracker.", default=None)
     moving_obstacles: MovingObstacleConfig | None = setting("Moving-object tracker.", default=None)
+    verges: VergeConfig | None = setting("Tracks where the road's surface ends, beside its lines.", default=None)
     crossing: CrossingConfig | None = setting("Actors that cross.", default=None)
     scene: SceneConfig | None = setting(
         "Tracks of all that is on the road, in which the scene planner plans.", default=None

@@ -16,6 +16,7 @@ from vpf_sim.geometry import project
 from vpf_sim.perception.egomotion.camera_pitch import PitchEstimator
 from vpf_sim.perception.egomotion.mount_pitch import MountPitch
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
+from vpf_sim.perception.road.model import PITCH as PITCH_STATE
 from vpf_sim.perception.road.model import seen_lines, seen_places
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Expansion, Floats, Flow, RoadEdges, VehicleModel
@@ -65,11 +66,11 @@ def test_lines_are_seen_where_an_askew_camera_shows_them(pitch_rad: float) -> No
 def test_the_derivative_by_the_pitch_is_that_of_finite_differences() -> None:
     forward: Floats = np.arange(4.0, 28.0, 3.0)
     _, jacobian, _ = seen_lines(BEND, NUMBERS, forward, CAMERA)
-    step = np.eye(len(BEND))[-1] * 1e-6
+    step = np.eye(len(BEND))[PITCH_STATE] * 1e-6
     numeric = (
         seen_lines(BEND + step, NUMBERS, forward, CAMERA)[0] - seen_lines(BEND - step, NUMBERS, forward, CAMERA)[0]
     ) / 2e-6
-    assert np.abs(jacobian[..., -1] - numeric).max() < 0.02 * np.abs(numeric).max()
+    assert np.abs(jacobian[..., PITCH_STATE] - numeric).max() < 0.02 * np.abs(numeric).max()
 
 
 @pytest.mark.parametrize(("down_deg", "curvature"), [(-0.6, 0.01), (-0.2, 0.0), (0.3, 0.01), (0.8, 0.0)])

@@ -24,7 +24,7 @@ from vpf_sim.types import Bools, Camera, Floats, Obstacles, RoadEdges
 
 SPEED_MPS = 5.55
 KITTI = Camera(1226, 370, 707.1, 707.1, 601.9, 183.1, height_m=1.65, forward_m=1.0)
-BEND = np.array([1.2, 0.1, 0.004, 0.006, 0.008, 0.01, 3.5, 0.0])
+BEND = np.array([1.2, 0.1, 0.004, 0.006, 0.008, 0.01, 3.5, 0.0, -3.0, 8.0])
 
 
 def grey(frame: np.ndarray) -> np.ndarray:
@@ -50,7 +50,7 @@ def follow(
 
 
 def test_the_derivative_of_the_lines_is_that_of_finite_differences() -> None:
-    numbers, forward = np.array([-2.0, 0.0, 1.5]), np.arange(4.0, 28.0, 3.0)
+    numbers, forward = np.array([-np.inf, -2.0, 0.0, 1.5, np.inf]), np.arange(4.0, 28.0, 3.0)
     _, jacobian, _ = seen_lines(BEND, numbers, forward, Camera())
     for i, step in enumerate(np.eye(len(BEND)) * 1e-6):
         numeric = (places(BEND + step, numbers, forward) - places(BEND - step, numbers, forward)) / 2e-6
@@ -187,8 +187,8 @@ def test_where_a_road_is_known_a_guess_whose_lines_lead_far_from_it_is_none(off_
     pose = picture.pose(0.0, 1.75, 0.0)
     frame = picture.draw(pose)
     tracker.update(frame, grey(frame), pose, SPEED_MPS, 0.0, None)
-    ridges = tracker.matcher.ridges(grey(frame), None, 0.0)
-    settled = tracker.settled(state_of(1.75 - 5.0 * off_rad, off_rad, 0.0, 3.5), ridges)
+    features = tracker.matcher.features(frame, grey(frame), None, 0.0)
+    settled = tracker.settled(state_of(1.75 - 5.0 * off_rad, off_rad, 0.0, 3.5), features)
     assert (settled is not None) == found
     if settled is not None:
         assert settled.state[1] == pytest.approx(0.0, abs=0.01)

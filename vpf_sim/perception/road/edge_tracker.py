@@ -1,4 +1,4 @@
-"""Tracker of the carriageway's edges by painted lines, without a map."""
+"""Tracker of the carriageway's edges by painted lines and the verges, without a map."""
 
 import numpy as np
 
@@ -6,9 +6,9 @@ from vpf_sim.geometry import rotation, wrap_angle
 from vpf_sim.perception.road.birds_eye import BirdsEye
 from vpf_sim.perception.road.hypotheses import CarriagewayHypotheses
 from vpf_sim.perception.road.line_matcher import LineMatcher
-from vpf_sim.perception.road.markings import RidgeMap, comb
+from vpf_sim.perception.road.markings import RidgeMap, RoadFeatures, comb
 from vpf_sim.perception.road.model import PITCH, WIDTH, curvature_ahead, state_of
-from vpf_sim.perception.road.road_settings import RoadEdgeConfig
+from vpf_sim.perception.road.road_settings import RoadEdgeConfig, VergeConfig
 from vpf_sim.perception.road.state_filter import LaneFilter
 from vpf_sim.perception.schedule import Schedule
 from vpf_sim.types import Camera, Floats, Image, Obstacles, RoadEdges
@@ -21,10 +21,12 @@ class RoadEdgeTracker:
     was found.
     """
 
-    def __init__(self, camera: Camera, config: RoadEdgeConfig, rate_hz: float) -> None:
+    def __init__(
+        self, camera: Camera, config: RoadEdgeConfig, rate_hz: float, verges: VergeConfig | None = None
+    ) -> None:
         self.camera = camera
         self.config = config
-        self.matcher = LineMatcher(camera, config)
+        self.matcher = LineMatcher(camera, config, verges)
         self._colour_view = BirdsEye(camera, config.verge_patch)
         self._update = Schedule(config.update_period_s, rate_hz)
         self._judgement = Schedule(config.index_period_s, self._update.rate_hz)  # among the updates
@@ -54,13 +56,13 @@ class RoadEdgeTracker:
         update, search = self._update.step(), self._search.step()
         judge = update and self._judgement.step()
         if search if self._is_lost else update:
-            ridges = self.matcher.ridges(grey, obstacles, self._pitch_rad or 0.0)
+            features = self.matcher.features(image_rgb, grey, obstacles, self._pitch_rad or 0.0)
             if self._is_lost or self._road is None:
-                self._find(image_rgb, ridges)
+                self._find(image_rgb, features)
             else:
                 has_moved = self._travelled_m >= self._judged_m + self.config.new_road_m
-                if self._correct(self._road, ridges) and judge and has_moved:
-                    self._judge(self._road, image_rgb, ridges)
+                if self._correct(self._road, features, judge) and judge and has_moved:
+                    self._judge(self._road, image_rgb, features.ridges)
         return self._report(speed_mps, yaw_rate_radps)
 
     def predicted(self, pose: Floats, speed_mps: float, yaw_rate_radps: float) -> RoadEdges:
@@ -91,9 +93,12 @@ class RoadEdgeTracker:
             self._road.predict(np.array([*step, wrap_angle(float(pose[2] - self._pose[2]))]))
         self._pose = pose
 
-    def _correct(self, tracked: LaneFilter, ridges: RidgeMap) -> bool:
-        """Whether the lines about their predicted places corrected the state; the road may be lost."""
-        agrees = self.matcher.correct(tracked, ridges, self._index.numbers)
+    def _correct(self, tracked: LaneFilter, features: RoadFeatures, judge: bool) -> bool:
+        """Whether lines and verges about their predicted places corrected the state; the road may be lost."""
+        agrees = self.matcher.correct(tracked, features, self._index.numbers)
+        if judge and agrees and self.matcher.verges is not None and features.steps is not None:
+            self.matcher.verges.judge(tracked, features.steps)
+            self.matcher.verges.find(tracked, features.steps)
         if agrees is not None:
             self._refuted = 0 if agrees else self._refuted + 1
             self._agreed_m = self._travelled_m if agrees else self._agreed_m
@@ -110,7 +115,7 @@ class RoadEdgeTracker:
         config = self.config.refutation
         return self._refuted >= config.frames and self._travelled_m > self._agreed_m + config.way_m
 
-    def _find(self, image_rgb: Image, ridges: RidgeMap) -> None:
+    def _find(self, image_rgb: Image, features: RoadFeatures) -> None:
         """Track the road that explains most ridges: about the lost road, or in any lane where none is known."""
         config, lost = self.config, self._road if self._is_known(self._road) else None
         if lost is not None and abs(lost.state[1]) > config.comb.headings_rad[-1]:
@@ -118,8 +123,16 @@ class RoadEdgeTracker:
         widths = config.widths_m if lost is None or not config.keeps_width else lost.state[[WIDTH]]
         likely_m = config.lane_width_m if lost is None or config.keeps_width else float(lost.state[WIDTH])
         likely_rad = 0.0 if lost is None else float(lost.state[1])
+        beside_m = self.matcher.verges.config.beside_m if self.matcher.verges is not None else 0.0
         score, (y, heading, curvature, width) = comb(
-            ridges, widths, likely_m, config.comb, likely_rad, unlikely_per_m=config.unlikely_per_m
+            features.ridges,
+            widths,
+            likely_m,
+            config.comb,
+            likely_rad,
+            unlikely_per_m=config.unlikely_per_m,
+            steps=features.steps,
+            beside_m=beside_m,
         )
         if score < config.least_comb:
             return
@@ -128,21 +141,21 @@ class RoadEdgeTracker:
             self._index = CarriagewayHypotheses.start(config.lanes, config.likely_lane, config.hypotheses)
         guess = state_of(place, heading, curvature, width)
         guess[PITCH] = self._pitch_rad or 0.0
-        found = self.settled(guess, ridges)
+        found = self.settled(guess, features)
         if found is None:
             self._road = lost
             return
         self._follow(found)
-        self._judge(found, image_rgb, ridges)
+        self._judge(found, image_rgb, features.ridges)
 
-    def settled(self, guess: Floats, ridges: RidgeMap) -> LaneFilter | None:
+    def settled(self, guess: Floats, features: RoadFeatures) -> LaneFilter | None:
         """The road about a first guess; None without visible lines, or where these turn a known road.
 
         An unknown road may turn: some bends are tighter than any guess.
         """
         first, check = self.config.first_guess, self.config.guess_check
         pitch_sigma_rad = first.mounted_rad if self._pitch_rad is None else first.pitched_rad
-        found = self.matcher.settle(guess, ridges, self._index.numbers, pitch_sigma_rad)
+        found = self.matcher.settle(guess, features, self._index.numbers, pitch_sigma_rad)
         if found is None or abs(found.state[1] - guess[1]) <= check.turned_rad:
             return found
         return None if self._is_known(self._road) else found
@@ -162,7 +175,8 @@ class RoadEdgeTracker:
     def _judge(self, tracked: LaneFilter, image_rgb: Image, ridges: RidgeMap) -> None:
         self._judged_m = self._travelled_m
         colour = self._colour_view.warp(image_rgb)
-        self._index.judge(tracked.state, ridges, colour, self._colour_view)
+        verges = [] if self.matcher.verges is None else self.matcher.verges.clear(tracked)
+        self._index.judge(tracked.state, ridges, colour, self._colour_view, verges)
 
     def _report(self, speed_mps: float, yaw_rate_radps: float) -> RoadEdges:
         """The state as edges, with the curvature that is exact at `report_ahead_m`."""
@@ -189,11 +203,12 @@ class RoadEdgeTracker:
         )
 
     def _lane_confidence(self, tracked: LaneFilter) -> float:
-        """0 .. 1, by the visible share of the expected lines and the standard deviation; 0 of a lost road."""
+        """0 .. 1, by the visible share of lines or verges and the standard deviation; 0 of a lost road."""
         if self._is_lost:
             return 0.0
         least = self.config.least_agreement
-        visible = ((self._index.agreement or 0.0) - least) / (1.0 - 2.0 * least)
+        visible = max(self._index.agreement or 0.0, *tracked.verges.values(), 0.0)
+        visible = (visible - least) / (1.0 - 2.0 * least)
         return min(max(visible, 0.0), 1.0) * float(np.exp(-tracked.sigma_m / self.config.confidence_sigma_m))
 
     def _likely(self, curvature_per_m: float) -> RoadEdges:

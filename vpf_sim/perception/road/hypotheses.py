@@ -6,13 +6,14 @@ solid line that parts the ego's lanes from oncoming traffic is the left edge, to
 The number of lanes is known only as a prior; an edge that is not visible is where it likely is.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from vpf_sim.perception.road.birds_eye import BirdsEye
 from vpf_sim.perception.road.markings import RidgeMap, sight
-from vpf_sim.perception.road.model import WIDTH, seen_places
+from vpf_sim.perception.road.model import VERGE, WIDTH, seen_places
 from vpf_sim.perception.road.road_settings import GroundConfig, HypothesesConfig
 from vpf_sim.types import Bools, Floats, Image, Integers
 
@@ -104,11 +105,18 @@ class CarriagewayHypotheses:
         same = (LEFT[self.current] == LEFT) & (RIGHT[self.current] == RIGHT)
         return float(self.probabilities(state)[same].sum())
 
-    def judge(self, state: Floats, ridges: RidgeMap, colour: Image, colour_view: BirdsEye) -> None:
-        """Add the evidence of one frame; change the hypothesis if another one is far likelier for long enough."""
+    def judge(
+        self, state: Floats, ridges: RidgeMap, colour: Image, colour_view: BirdsEye, verges: Sequence[float]
+    ) -> None:
+        """Add the evidence of one frame; change the hypothesis if another one is far likelier for long enough.
+
+        `verges` are the numbers of those that are clear.
+        """
         config, evidence = self.config, self._line_evidence(state, ridges)
         least_m = config.least_length_m
         evidence = evidence + _ground_evidence(state, ridges, colour, colour_view, config.ground, least_m)
+        for number in verges:
+            evidence = evidence + _verge_evidence(number, state, config)
         self.log_odds = config.kept * self.log_odds + config.weight * (evidence - evidence.max())
         likely = self.probabilities(state)
         best = int(np.argmax(likely))
@@ -153,6 +161,14 @@ class CarriagewayHypotheses:
             now = float(np.mean(np.minimum(share[counts] / usual, 1.0)))
             before = self.agreement
             self.agreement = now if before is None else config.kept * before + (1.0 - config.kept) * now
+
+
+def _verge_evidence(number: float, state: Floats, config: HypothesesConfig) -> Floats:
+    """(H,) by a verge: the carriageway reaches to it, or to less than a lane before it."""
+    outermost = RIGHT if number > 0.0 else FAR
+    gap_m = np.sign(number) * (state[VERGE[number]] - outermost * state[WIDTH])
+    fits = (gap_m > -config.line_reach_m) & (gap_m < state[WIDTH])
+    return np.where(fits, 0.0, np.log(config.off_verge))
 
 
 def _ground_evidence(

@@ -7,7 +7,7 @@ import numpy as np
 from vpf_sim.perception.quantiles import quantile
 from vpf_sim.perception.road.birds_eye import BirdsEye
 from vpf_sim.perception.road.road_settings import CombConfig
-from vpf_sim.types import Bools, Floats, Image, Integers, Singles
+from vpf_sim.types import Bools, Floats, Image, Singles
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,6 +19,14 @@ class RidgeMap:
     threshold: float  # grey levels
     visible: Bools  # (rows, columns) in the frame and not hidden by an obstacle
     centroid_m: float  # about the strongest response, whose centroid is the line
+
+
+@dataclass(frozen=True, slots=True)
+class RoadFeatures:
+    """What one frame shows of the road."""
+
+    ridges: RidgeMap  # painted lines
+    steps: RidgeMap | None  # of colour, as at verges; None: they are not searched
 
 
 def noise_threshold(response: Image, least: float) -> float:
@@ -56,6 +64,8 @@ def comb(
     config: CombConfig,
     likely_rad: float = 0.0,
     unlikely_per_m: float = 0.0,
+    steps: RidgeMap | None = None,
+    beside_m: float = 0.0,
 ) -> tuple[float, Floats]:
     """The road that explains most ridges of one frame: its score, and (4,) y, heading, curvature, width of a lane.
 
@@ -63,18 +73,23 @@ def comb(
     a lane apart in that taken modulo the lane's width. The score counts lines: one that is seen in every row, and as
     bright as can be, is 1. The place y is that of the pose right of any one line. Of widths and headings, the likely
     one is taken unless another explains more, and the straight road: a single line fits any width, and mirror images
-    lie askew.
+    lie askew. The clearest of the `steps` on either side, at least `beside_m` from the pose, counts as a line.
     """
     view = ridges.view
     rows = np.flatnonzero(view.forward_m < config.reach_m)
-    fine = _bright(ridges, rows)
-    bright = np.maximum(fine[:, 0:-1:2], fine[:, 1::2])
+    fine = bright(ridges)[rows]
+    coarse = np.maximum(fine[:, 0:-1:2], fine[:, 1::2])
     column_m = 2.0 * view.column_m
     heading, curvature = (
         grid.ravel() for grid in np.meshgrid(config.headings_rad, config.curvatures_per_m, indexing="ij")
     )
-    straight = _straightened(bright, view.forward_m[rows], column_m, heading, curvature)
+    straight = _straightened(coarse, view.forward_m[rows], column_m, heading, curvature)
     unlikely = config.unlikely_per_rad * np.abs(heading - likely_rad) + config.unlikely_m * np.abs(curvature)
+    if steps is not None:
+        along = _straightened(bright(steps)[rows], view.forward_m[rows], steps.view.column_m, heading, curvature)
+        sharp = along - np.median(along, axis=1, keepdims=True)
+        for side_m in (-steps.view.right_m, steps.view.right_m):
+            unlikely = unlikely - sharp[:, side_m > beside_m].max(axis=1)
     best, road = -np.inf, np.zeros(4)
     for width_m in widths_m.tolist():
         score, i, tooth = _best_tooth(straight, width_m / column_m, unlikely)
@@ -85,10 +100,10 @@ def comb(
     return best, road
 
 
-def _bright(ridges: RidgeMap, rows: Integers) -> Singles:
-    """(rows, columns) how bright the ridges are in these rows of the patch: 0, or half .. 1 as bright as can be."""
-    bright = np.minimum(ridges.response[rows], 2.0 * ridges.threshold) / (2.0 * ridges.threshold)
-    return np.where(ridges.visible[rows] & (bright > 0.5), bright, 0.0).astype(np.float32)
+def bright(ridges: RidgeMap) -> Singles:
+    """(rows, columns) how bright the ridges are: 0, or half .. 1 as bright as can be."""
+    share = np.minimum(ridges.response, 2.0 * ridges.threshold) / (2.0 * ridges.threshold)
+    return np.where(ridges.visible & (share > 0.5), share, 0.0).astype(np.float32)
 
 
 def _best_tooth(straight: Singles, period: float, unlikely: Floats) -> tuple[float, int, int]:

@@ -1,8 +1,9 @@
 """The shape of the road ahead: parallel lines, a lane's width apart, whose curvature is piecewise linear.
 
-The state is (y, h, k_0 .. k_3, w, p): m, the pose's place right of line 0; rad, the road's direction minus yaw at the
-foot of the pose; 1/m, the curvature of line 0 at NODES_M metres along it (+ bends right); m, the lane width; rad, the
-camera's pitch against the road beyond its calibration (+ down). Line i is i lanes right of line 0.
+The state is (y, h, k_0 .. k_3, w, p, v_l, v_r): m, the pose's place right of line 0; rad, the road's direction minus
+yaw at the foot of the pose; 1/m, the curvature of line 0 at NODES_M metres along it (+ bends right); m, the lane width;
+rad, the camera's pitch against the road beyond its calibration (+ down); m, the verges' places right of line 0. Line i
+is i lanes right of line 0, and the verges run along with the lines, at distances of their own.
 
 With a pitch each row shows the road nearer or farther than assumed, and larger or smaller: parallel lines seem to meet.
 A frame with lines a few metres apart determines p to a hundredth of a degree.
@@ -16,6 +17,8 @@ NODES_M = np.array([0.0, 8.0, 16.0, 24.0])
 CURVATURES = slice(2, 2 + len(NODES_M))
 WIDTH = 2 + len(NODES_M)
 PITCH = WIDTH + 1
+VERGE = {-np.inf: PITCH + 1, np.inf: PITCH + 2}  # the places of the left and the right verge, by their numbers
+STATES = PITCH + 3
 LEAST_DIP_RAD = 0.02  # of a row below the horizon; what is higher shows no line
 ALONG_M = np.arange(-6.0, 48.1, 0.5)  # (G,) stations along line 0
 
@@ -40,8 +43,13 @@ BENDS = np.ascontiguousarray(_integrated(TURNS.T).T)  # (G, 4) lateral place of 
 
 
 def state_of(place_m: float, heading_rad: float, curvature_per_m: float, lane_width_m: float) -> Floats:
-    """(8,) the state of a road of one curvature, with a camera without pitch."""
-    return np.array([place_m, heading_rad, *np.full(len(NODES_M), curvature_per_m), lane_width_m, 0.0])
+    """(10,) the state of a road of one curvature, with a camera without pitch and unknown verges."""
+    return np.array([place_m, heading_rad, *np.full(len(NODES_M), curvature_per_m), lane_width_m, 0.0, 0.0, 0.0])
+
+
+def _offsets(state: Floats, numbers: Floats) -> Floats:
+    """(L,) m, places of lines right of line 0."""
+    return np.array([state[VERGE[number]] if number in VERGE else number * state[WIDTH] for number in numbers.tolist()])
 
 
 def _crossings(state: Floats, numbers: Floats, forward_m: Floats) -> tuple[Floats, Bools, Integers, Floats]:
@@ -50,7 +58,7 @@ def _crossings(state: Floats, numbers: Floats, forward_m: Floats) -> tuple[Float
     Then the last station before each crossing (L, R), and line 0's direction at all stations (G,).
     """
     y, heading = state[0], state[1]
-    offsets_m = (numbers * state[WIDTH])[:, None]
+    offsets_m = _offsets(state, numbers)[:, None]
     direction = heading + TURNS @ state[CURVATURES]
     cosine, sine = course = np.array([np.cos(direction), np.sin(direction)])
     centre_x, centre_y = _integrated(course)
@@ -70,9 +78,9 @@ def seen_lines(state: Floats, numbers: Floats, forward_m: Floats, camera: Camera
     """Where the camera sees lines of the road cross rows ahead.
 
     Of L lines, by their numbers, at R rows `forward_m` ahead of the pose for a camera without pitch: right of the
-    vehicle (L, R) m, its derivative by the state (L, R, 8), and (L, R) whether the line reaches the row. A number may
-    be a fraction: the middle of the lane right of line i is i + 1/2. What a row shows seems larger by
-    sin(a + p) / sin(a) than it is, with a as in `rows_seen`.
+    vehicle (L, R) m, its derivative by the state (L, R, 10), and (L, R) whether the line reaches the row. A number may
+    be a fraction: the middle of the lane right of line i is i + 1/2. The verges have the numbers of `VERGE`. What a row
+    shows seems larger by sin(a + p) / sin(a) than it is, with a as in `rows_seen`.
     """
     ahead, dip = rows_seen(float(state[PITCH]), forward_m, camera)
     right, reached, lower, direction = _crossings(state, numbers, ahead)
@@ -80,12 +88,14 @@ def seen_lines(state: Floats, numbers: Floats, forward_m: Floats, camera: Camera
     slope = np.sin(direction).take(lower) * secant
     sine, apparent = np.sin(dip), np.sin(dip - state[PITCH])
     scale = sine / apparent
-    jacobian = np.empty((*right.shape, PITCH + 1))
+    jacobian = np.zeros((*right.shape, STATES))
     jacobian[..., 0] = -np.cos(direction - state[1]).take(lower) * secant
     jacobian[..., 1] = ahead + right * slope
     jacobian[..., CURVATURES] = BENDS.take(lower, axis=0) * secant[..., None]
-    jacobian[..., WIDTH] = numbers[:, None] * secant
-    jacobian[..., :PITCH] *= scale[:, None]
+    for line, number in enumerate(numbers.tolist()):
+        by, rate = (VERGE[number], 1.0) if number in VERGE else (WIDTH, number)
+        jacobian[line, :, by] = rate * secant[line]
+    jacobian *= scale[:, None]
     jacobian[..., PITCH] = right * np.cos(dip) / apparent - slope * scale * camera.height_m / sine**2
     return right * scale, jacobian, reached & (dip > LEAST_DIP_RAD)
 
@@ -113,7 +123,7 @@ def moved(state: Floats, step: Floats) -> tuple[Floats, Floats]:
     along = (step[0] * cosine + step[1] * sine) / (1.0 - curvature * y)
     across = step[1] * cosine - step[0] * sine
     shift = _hats(NODES_M + along).T
-    derivative = np.eye(PITCH + 1)
+    derivative = np.eye(STATES)
     derivative[0, 1] = -along
     derivative[0, 2] = -0.5 * along**2
     derivative[1, 2] = along

@@ -61,6 +61,7 @@ class RoadFilterConfig:
     drift_curvature_per_m: tuple[float, float, float, float] = setting("Drift of the curvature at each node.")
     drift_width_m: float = setting("Process noise of the lane width in a metre travelled.", gt=0.0)
     drift_pitch_rad: float = setting("Process noise of the camera's pitch in a metre travelled.", gt=0.0)
+    drift_verge_m: float = setting("Process noise of the verges' places in a metre travelled.", gt=0.0)
     shared_curvature_per_m: float = setting("Initial standard deviation of the curvature of all nodes.", gt=0.0)
     added_curvature_per_m: float = setting(
         "Standard deviation of each node's difference in curvature to the one before.", gt=0.0
@@ -84,8 +85,8 @@ class RoadFilterConfig:
 
     @property
     def drift(self) -> Floats:
-        """(8,) process noise of the state in a metre of way."""
-        ends = self.drift_width_m, self.drift_pitch_rad
+        """(10,) process noise of the state in a metre of way."""
+        ends = self.drift_width_m, self.drift_pitch_rad, self.drift_verge_m, self.drift_verge_m
         return np.array([self.drift_m, self.drift_rad, *self.drift_curvature_per_m, *ends])
 
 
@@ -116,6 +117,25 @@ class RefutationConfig:
 class ObstacleMaskConfig:
     margin_m: float = setting("Margin about an obstacle.", ge=0.0)
     nearest_m: float = setting("Depth from the camera below which obstacles occlude nothing of the patch.", gt=0.0)
+
+
+@settings
+class VergeConfig:
+    """How the ends of the road's surface are searched."""
+
+    column_m: float = setting("Distance between columns of the bird's-eye patch.", gt=0.0)
+    surface_m: float = setting("Width of the surfaces at both sides that are compared.", gt=0.0)
+    centroid_m: float = setting("Distance about the strongest step whose centroid is the verge.", gt=0.0)
+    least_levels: float = setting("Least difference of colour of a verge.", gt=0.0)
+    sigma_m: float = setting("Standard deviation of an observation on the road.", gt=0.0)
+    beside_m: float = setting("Least distance of a verge from the car's middle.", gt=0.0)
+    least_length_m: float = setting("Visible length without which a verge is not judged.", gt=0.0)
+    found_share: float = setting("Share of its length in which a new verge must be visible.", gt=0.0)
+    clear_share: float = setting("Share of its length from which a verge tells the edges.", gt=0.0)
+    found_sigma_m: float = setting("Standard deviation of the place of a new verge.", gt=0.0)
+    lost_share: float = setting("Share of its length below which a verge is forgotten.", gt=0.0)
+    new_share: float = setting("Weight of the last frame in the averaged share.", gt=0.0, le=1.0)
+    on_verge_m: float = setting("Distance from the expected place within which a verge is judged.", gt=0.0)
 
 
 @settings
@@ -152,6 +172,7 @@ class HypothesesConfig:
     hidden_share: float = setting("Visible share below which a line is invisible.", ge=0.0, lt=1.0)
     least_length_m: float = setting("Visible length without which a line or strip gives no evidence.", gt=0.0)
     line_reach_m: float = setting("Distance from the expected place within which a line is searched.", gt=0.0)
+    off_verge: float = setting("Likelihood of an edge that is not the last line before a clear verge.", gt=0.0, le=1.0)
     kept: float = setting("Share of the evidence that is kept from one update to the next.", gt=0.0, lt=1.0)
     weight: float = setting("Weight of the evidence of one update.", gt=0.0, le=1.0)
     other_lanes: float = setting("Prior of another number of lanes of a road of one direction.", gt=0.0, le=1.0)
@@ -226,6 +247,10 @@ class RoadEdgeConfig:
     @property
     def patch(self) -> Patch:
         return Patch(self.near_m, self.far_m, self.half_width_m, self.row_m, self.column_m)
+
+    def patch_of_verges(self, column_m: float) -> Patch:
+        """For the verges; its rows are those of `patch`."""
+        return Patch(self.near_m, self.far_m, self.half_width_m + self.verge_m, self.row_m, column_m)
 
     @property
     def verge_patch(self) -> Patch:

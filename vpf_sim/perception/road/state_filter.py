@@ -1,12 +1,14 @@
 """The state of the road over time: predicted by the vehicle's own motion, corrected by the lines that are seen."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from vpf_sim.perception.road.model import CURVATURES, NODES_M, PITCH, moved, seen_lines, seen_places
+from vpf_sim.perception.road.model import CURVATURES, NODES_M, PITCH, VERGE, moved, seen_lines, seen_places
 from vpf_sim.perception.road.road_settings import NeighbourTestConfig, RoadFilterConfig
 from vpf_sim.types import Bools, Camera, Floats
+
+UNKNOWN_M = 10.0  # standard deviation of the place of a verge that is not known
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,12 +21,19 @@ class Sightings:
     variance_m2: Floats  # (L, R)
     seen: Bools  # (L, R)
 
+    def joined(self, others: "Sightings") -> "Sightings":
+        """With other lines in the same rows."""
+        pairs = ((getattr(self, name), getattr(others, name)) for name in ("numbers", "right_m", "variance_m2", "seen"))
+        numbers, right_m, variance_m2, seen = (np.concatenate(pair) for pair in pairs)
+        return Sightings(numbers, self.forward_m, right_m, variance_m2, seen)
+
 
 def initial_covariance(
     y_m: float, heading_rad: float, width_m: float, pitch_rad: float, config: RoadFilterConfig
 ) -> Floats:
-    """(8, 8) of a state just found, with these standard deviations of place, heading, a lane's width and the pitch."""
-    covariance = np.diag([y_m**2, heading_rad**2, *np.zeros(len(NODES_M)), width_m**2, pitch_rad**2])
+    """(10, 10) of a state just found, with these standard deviations of place, heading, a lane's width and pitch."""
+    unknown = [UNKNOWN_M**2, UNKNOWN_M**2]
+    covariance = np.diag([y_m**2, heading_rad**2, *np.zeros(len(NODES_M)), width_m**2, pitch_rad**2, *unknown])
     steps = np.minimum.outer(np.arange(len(NODES_M)), np.arange(len(NODES_M)))
     covariance[CURVATURES, CURVATURES] = config.shared_curvature_per_m**2 + config.added_curvature_per_m**2 * steps
     return covariance
@@ -38,6 +47,7 @@ class LaneFilter:
     covariance: Floats  # (8, 8)
     camera: Camera
     config: RoadFilterConfig
+    verges: dict[float, float] = field(default_factory=dict)  # 0 .. 1, visible shares of the known ones, by number
 
     def predict(self, step: Floats) -> None:
         """After the vehicle moved by `step` (forward m, right m, yaw rad) in its own axes."""
@@ -63,6 +73,21 @@ class LaneFilter:
             gradient = weighted.T @ residual + information @ (prior - state)
             state = state + np.linalg.solve(normal, gradient)
         self.state, self.covariance = state, np.linalg.inv(normal)
+
+    def add_verge(self, number: float, place_m: float, sigma_m: float, share: float) -> None:
+        """Take a verge `place_m` right of line 0 into the state. Where it was seen, the pose's place was uncertain."""
+        index, self.verges[number] = VERGE[number], share
+        self.state[index] = place_m
+        self.covariance[index] = self.covariance[0]
+        self.covariance[:, index] = self.covariance[:, 0]
+        self.covariance[index, index] = self.covariance[0, 0] + sigma_m**2
+
+    def drop_verge(self, number: float) -> None:
+        """Forget a verge."""
+        index = VERGE[number]
+        del self.verges[number]
+        self.covariance[index] = self.covariance[:, index] = 0.0
+        self.covariance[index, index] = UNKNOWN_M**2
 
     def _possible(self, found: Sightings, right_m: Floats, jacobian: Floats) -> Bools:
         """(L, R) observations that the prediction allows: drops, puddles and mirror images lie elsewhere."""

@@ -1,0 +1,100 @@
+"""The verges of a road: where its surface ends, as steps of colour that run along with its lines."""
+
+import cv2
+import numpy as np
+
+from vpf_sim.perception.quantiles import quantile
+from vpf_sim.perception.road.birds_eye import BirdsEye
+from vpf_sim.perception.road.markings import RidgeMap, bright, sight
+from vpf_sim.perception.road.model import VERGE, WIDTH, seen_places
+from vpf_sim.perception.road.obstacle_mask import hidden_by
+from vpf_sim.perception.road.road_settings import RoadEdgeConfig, VergeConfig
+from vpf_sim.perception.road.state_filter import LaneFilter, Sightings
+from vpf_sim.types import Bools, Camera, Floats, Image, Integers, Obstacles
+
+
+class VergeMatcher:
+    """Finds the verges of a tracked road in frames of one camera, and matches them."""
+
+    def __init__(self, camera: Camera, road: RoadEdgeConfig, config: VergeConfig) -> None:
+        self.config, self._road = config, road
+        self.view = BirdsEye(camera, road.patch_of_verges(config.column_m))
+        self._reach = round(config.surface_m / config.column_m)
+        margin = 2 * (self._reach + round(config.centroid_m / config.column_m)) + 1
+        self._visible = cv2.erode(self.view.visible.astype(np.uint8), np.ones((1, margin), np.uint8)) > 0
+        depth = self.view.forward_m - camera.forward_m
+        self._variance: Floats = config.sigma_m**2 + (road.sigma_px * depth / camera.fx_px) ** 2
+
+    def steps(self, image_rgb: Image, obstacles: Obstacles | None, pitch_rad: float) -> RidgeMap:
+        """The steps of colour in a frame outside the parts that obstacles hide."""
+        road, visible = self._road, self._visible
+        response = step(self.view.warp(image_rgb), self._reach)
+        if obstacles is not None and len(obstacles):
+            visible = visible & ~hidden_by(obstacles, self.view, pitch_rad, road.obstacle_mask)
+        usual = quantile(response[::2, ::2][visible[::2, ::2]], 0.5) if visible.any() else 0.0
+        threshold = max(self.config.least_levels, 2.0 * usual)
+        return RidgeMap(self.view, response, threshold, visible, self.config.centroid_m)
+
+    def sightings(self, tracked: LaneFilter, steps: RidgeMap) -> Sightings | None:
+        """Where the known verges are seen; None: none is known."""
+        if not tracked.verges:
+            return None
+        numbers = np.array(list(tracked.verges))
+        expected_m, reached = seen_places(tracked.state, numbers, self.view.forward_m, self.view.camera)
+        right_m, seen = sight(steps, expected_m, reached, self._road.filter.reach_m)
+        return Sightings(numbers, self.view.forward_m, right_m, np.broadcast_to(self._variance, seen.shape), seen)
+
+    def find(self, tracked: LaneFilter, steps: RidgeMap) -> None:
+        """Add the verges that are not known yet, and are clear beside a lane's width about the pose."""
+        missing = [number for number in VERGE if number not in tracked.verges]
+        if not missing:
+            return
+        config, view = self.config, self.view
+        places_m, reached = seen_places(
+            tracked.state, (tracked.state[0] + view.right_m) / tracked.state[WIDTH], view.forward_m, view.camera
+        )
+        columns, shown, length_m = self._shown(places_m, reached, steps)
+        clear = (bright(steps)[np.arange(len(view.forward_m)), columns] * shown) @ view.length_m
+        share = clear / np.maximum(length_m, config.least_length_m)
+        share -= np.median(share)
+        for number in missing:
+            beside = np.where(np.sign(number) * view.right_m > config.beside_m, share, 0.0)
+            best = int(np.argmax(beside))
+            if beside[best] > config.found_share:
+                place_m = float(tracked.state[0] + view.right_m[best])
+                tracked.add_verge(number, place_m, config.found_sigma_m, float(beside[best]))
+
+    def clear(self, tracked: LaneFilter) -> list[float]:
+        """Numbers of the verges that are clear enough to tell the edges."""
+        return [number for number, share in tracked.verges.items() if share > self.config.clear_share]
+
+    def judge(self, tracked: LaneFilter, steps: RidgeMap) -> None:
+        """Average the visible shares of the known verges, and drop those that have gone."""
+        if not tracked.verges:
+            return
+        config, view, numbers = self.config, self.view, np.array(list(tracked.verges))
+        expected_m, reached = seen_places(tracked.state, numbers, view.forward_m, view.camera)
+        _, shown, length_m = self._shown(expected_m, reached, steps)
+        _, seen = sight(steps, expected_m, shown, config.on_verge_m)
+        shares = (seen @ view.length_m) / np.maximum(length_m, 1e-9)
+        for number, known, share in zip(numbers.tolist(), length_m >= config.least_length_m, shares, strict=True):
+            if known:
+                tracked.verges[number] += config.new_share * (float(share) - tracked.verges[number])
+            if tracked.verges[number] < config.lost_share:
+                tracked.drop_verge(number)
+
+    def _shown(self, places_m: Floats, reached: Bools, steps: RidgeMap) -> tuple[Integers, Bools, Floats]:
+        """The columns of places (L, R) on curves along the road, which are visible, and (L,) m, their length."""
+        columns, inside = self.view.columns(places_m, reached)
+        inside &= steps.visible[np.arange(len(self.view.forward_m)), columns]
+        return columns, inside, inside @ self.view.length_m
+
+
+def step(patch: Image, reach: int) -> Image:
+    """(rows, columns) levels by which the mean colours of `reach` columns left and right of each place differ."""
+    mean = cv2.blur(patch, (reach, 1))
+    result = np.zeros(patch.shape[:2], np.uint8)
+    first = reach // 2 + 1
+    apart = cv2.absdiff(mean[:, : -reach - 1], mean[:, reach + 1 :])
+    result[:, first : first + apart.shape[1]] = apart.max(axis=2)
+    return cv2.GaussianBlur(result, (3, 1), 0.8).astype(np.uint8, copy=False)
