@@ -11,7 +11,7 @@ from road_picture import RoadPicture
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.perception.road.road_settings import VergeConfig
 from vpf_sim.perception.road.verges import step
-from vpf_sim.types import Camera, RoadEdges
+from vpf_sim.types import Camera, Obstacles, RoadEdges
 
 SPEED_MPS, RATE_HZ = 8.0, 10.0
 VERGES = unwrap(ROBUST.verges)
@@ -44,6 +44,16 @@ def test_without_them_the_road_is_lost_there() -> None:
 
 def test_a_verge_that_looks_like_the_road_is_none() -> None:
     assert beyond_the_paint(RoadPicture(Camera(), 0.0, verge=(106, 106, 107)), VERGES).lane_confidence == 0.0
+
+
+def test_where_an_obstacle_hides_all_of_the_road_there_is_no_step() -> None:
+    """The body of a vehicle just ahead."""
+    tracker = RoadEdgeTracker(Camera(), ROBUST.road_edges, RATE_HZ, VERGES)
+    frame = RoadPicture(Camera()).draw(np.zeros(3))
+    sides = (np.array([value]) for value in (2.5, -20.0, 20.0, 0.1, np.inf))
+    wall = Obstacles(*sides, np.array([1]))
+    edges = tracker.update(frame, cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), np.zeros(3), SPEED_MPS, 0.0, wall)
+    assert edges.lane_confidence == 0.0
 
 
 @pytest.mark.parametrize("change", [(0, 40, 0), (-30, 0, 0), (20, 20, 20)])

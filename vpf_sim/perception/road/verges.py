@@ -31,7 +31,8 @@ class VergeMatcher:
         response = step(self.view.warp(image_rgb), self._reach)
         if obstacles is not None and len(obstacles):
             visible = visible & ~hidden_by(obstacles, self.view, pitch_rad, road.obstacle_mask)
-        usual = quantile(response[::2, ::2][visible[::2, ::2]], 0.5) if visible.any() else 0.0
+        sample = response[::2, ::2][visible[::2, ::2]]
+        usual = quantile(sample, 0.5) if sample.size else 0.0
         threshold = max(self.config.least_levels, 2.0 * usual)
         return RidgeMap(self.view, response, threshold, visible, self.config.centroid_m)
 
