@@ -20,7 +20,7 @@ class VergeMatcher:
         self.config, self._road = config, road
         self.view = BirdsEye(camera, road.patch_of_verges(config.column_m))
         self._reach = round(config.surface_m / config.column_m)
-        margin = 2 * (self._reach + round(config.centroid_m / config.column_m)) + 1
+        margin = 2 * (3 * self._reach + round(config.centroid_m / config.column_m)) + 1
         self._visible = cv2.erode(self.view.visible.astype(np.uint8), np.ones((1, margin), np.uint8)) > 0
         depth = self.view.forward_m - camera.forward_m
         self._variance: Floats = config.sigma_m**2 + (road.sigma_px * depth / camera.fx_px) ** 2
@@ -92,10 +92,17 @@ class VergeMatcher:
 
 
 def step(patch: Image, reach: int) -> Image:
-    """(rows, columns) levels by which the mean colours of `reach` columns left and right of each place differ."""
+    """(rows, columns) levels by which the colours left and right of each place differ.
+
+    Means of `reach` columns beside it, and of those beyond: the smaller difference counts, so a painted line is no
+    step.
+    """
     mean = cv2.blur(patch, (reach, 1))
-    result = np.zeros(patch.shape[:2], np.uint8)
-    first = reach // 2 + 1
-    apart = cv2.absdiff(mean[:, : -reach - 1], mean[:, reach + 1 :])
-    result[:, first : first + apart.shape[1]] = apart.max(axis=2)
+    result = np.full(patch.shape[:2], 255, np.uint8)
+    for apart in (reach, 4 * reach):
+        difference = np.zeros(patch.shape[:2], np.uint8)
+        first = apart // 2
+        levels = cv2.absdiff(mean[:, :-apart], mean[:, apart:]).max(axis=2)
+        difference[:, first : first + levels.shape[1]] = levels
+        result = np.minimum(result, difference)
     return cv2.GaussianBlur(result, (3, 1), 0.8).astype(np.uint8, copy=False)
