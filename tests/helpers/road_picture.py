@@ -1,15 +1,21 @@
 """A picture of a road in closed form: a straight or circular carriageway, drawn pixel by pixel from its geometry."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from driver_settings import ROBUST
 
 from vpf_sim.geometry import ground_from_pixels, world_from_vehicle
+from vpf_sim.perception.egomotion.flow import grey
+from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
+from vpf_sim.perception.road.road_settings import VergeConfig
 from vpf_sim.seeding import stream
-from vpf_sim.types import Bools, Camera, Floats, Image
+from vpf_sim.types import Bools, Camera, Floats, Image, RoadEdges
 
+SPEED_MPS = 5.55
 ASPHALT, PAINT, SKY = (106, 106, 107), (212, 211, 206), (150, 180, 220)
 FARTHEST_M = 200.0
 
@@ -76,3 +82,21 @@ class RoadPicture:
         frame[ground.shows] = colours
         frame += stream(seed, "grain").normal(0.0, 2.0, (*ground.shows.shape, 1))
         return np.clip(frame, 0.0, 255.0, out=frame).astype(np.uint8)
+
+
+def follow(
+    picture: RoadPicture,
+    right_m: float,
+    heading_rad: float,
+    frames: int,
+    rate_hz: float = 20.0,
+    verges: VergeConfig | None = None,
+) -> Iterator[tuple[RoadEdges, float]]:
+    """The edges seen on a straight course over a straight road, or one parallel to a bent road, and the true place."""
+    tracker = RoadEdgeTracker(picture.camera, ROBUST.road_edges, rate_hz, verges)
+    for i in range(frames):
+        along = i * SPEED_MPS / rate_hz
+        right = right_m + (along * np.tan(heading_rad) if picture.curvature_per_m == 0.0 else 0.0)
+        pose = picture.pose(along, right, heading_rad)
+        frame = picture.draw(pose, i)
+        yield tracker.update(frame, grey(frame), pose, SPEED_MPS, 0.0, None), right

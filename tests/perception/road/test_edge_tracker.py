@@ -1,6 +1,5 @@
 """The carriageway from the camera, against roads drawn in closed form."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from math import radians
 from typing import Any
@@ -9,12 +8,13 @@ import cv2
 import numpy as np
 import pytest
 from driver_settings import ROBUST
-from road_picture import RoadPicture
+from road_picture import SPEED_MPS, RoadPicture, follow
 
 from vpf_sim.envs.camera import Rig, weather
 from vpf_sim.envs.camera.renderer import Renderer
 from vpf_sim.envs.four_lane import FourLane
 from vpf_sim.geometry import distort, vehicle_from_world, world_from_vehicle
+from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.road.birds_eye import BirdsEye
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.perception.road.hypotheses import CarriagewayHypotheses
@@ -22,31 +22,13 @@ from vpf_sim.perception.road.model import moved, seen_lines, seen_places, state_
 from vpf_sim.perception.road.obstacle_mask import hidden_by
 from vpf_sim.types import Bools, Camera, Floats, Obstacles, RoadEdges
 
-SPEED_MPS = 5.55
 KITTI = Camera(1226, 370, 707.1, 707.1, 601.9, 183.1, height_m=1.65, forward_m=1.0)
 BEND = np.array([1.2, 0.1, 0.004, 0.006, 0.008, 0.01, 3.5, 0.0, -3.0, 8.0])
-
-
-def grey(frame: np.ndarray) -> np.ndarray:
-    return cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY)
 
 
 def places(state: Floats, numbers: Floats, forward_m: Floats) -> Floats:
     """(L, R) m, lateral places of the road's lines."""
     return seen_places(state, numbers, forward_m, Camera())[0]
-
-
-def follow(
-    picture: RoadPicture, right_m: float, heading_rad: float, frames: int, rate_hz: float = 20.0
-) -> Iterator[tuple[RoadEdges, float]]:
-    """The edges seen on a straight course over a straight road, or one parallel to a bent road, and the true place."""
-    tracker = RoadEdgeTracker(picture.camera, ROBUST.road_edges, rate_hz)
-    for i in range(frames):
-        along = i * SPEED_MPS / rate_hz
-        right = right_m + (along * np.tan(heading_rad) if picture.curvature_per_m == 0.0 else 0.0)
-        pose = picture.pose(along, right, heading_rad)
-        frame = picture.draw(pose, i)
-        yield tracker.update(frame, grey(frame), pose, SPEED_MPS, 0.0, None), right
 
 
 def test_the_derivative_of_the_lines_is_that_of_finite_differences() -> None:

@@ -2,19 +2,19 @@
 
 from dataclasses import replace
 
-import cv2
 import numpy as np
 import pytest
 from driver_settings import unwrap
-from road_picture import RoadPicture
+from road_picture import SPEED_MPS, RoadPicture, follow
 
+from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.perception.road.road_settings import VergeConfig
 from vpf_sim.perception.road.verges import step
 from vpf_sim.planning import variant
 from vpf_sim.types import Camera, Obstacles, RoadEdges
 
-SPEED_MPS, RATE_HZ = 8.0, 10.0
+RATE_HZ = 10.0
 VARIANT = variant.load("verges")
 VERGES = unwrap(VARIANT.verges)
 PAINTED_M, UNPAINTED_M = 15.0, 40.0
@@ -22,14 +22,9 @@ PAINTED_M, UNPAINTED_M = 15.0, 40.0
 
 def beyond_the_paint(picture: RoadPicture, verges: VergeConfig | None) -> RoadEdges:
     """What is seen in the lane right of the centre, long after the last paint has passed."""
-    picture = replace(picture, paint_ends_m=PAINTED_M)
-    tracker = RoadEdgeTracker(picture.camera, VARIANT.road_edges, RATE_HZ, verges)
-    for i in range(round((PAINTED_M + UNPAINTED_M) / SPEED_MPS * RATE_HZ)):
-        pose = picture.pose(i * SPEED_MPS / RATE_HZ, 1.75, 0.0)
-        frame = picture.draw(pose, i)
-        grey = cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY)
-        edges = tracker.update(frame, grey, pose, SPEED_MPS, SPEED_MPS * picture.curvature_per_m, None)
-    return edges
+    frames = round((PAINTED_M + UNPAINTED_M) / SPEED_MPS * RATE_HZ)
+    *_, (last, _) = follow(replace(picture, paint_ends_m=PAINTED_M), 1.75, 0.0, frames, RATE_HZ, verges)
+    return last
 
 
 @pytest.mark.parametrize(("curvature", "verge"), [(0.0, (88, 100, 52)), (0.015, (150, 130, 90)), (-0.01, (60, 60, 62))])
@@ -54,7 +49,7 @@ def test_where_an_obstacle_hides_all_of_the_road_there_is_no_step() -> None:
     frame = RoadPicture(Camera()).draw(np.zeros(3))
     sides = (np.array([value]) for value in (2.5, -20.0, 20.0, 0.1, np.inf))
     wall = Obstacles(*sides, np.array([1]))
-    edges = tracker.update(frame, cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), np.zeros(3), SPEED_MPS, 0.0, wall)
+    edges = tracker.update(frame, grey(frame), np.zeros(3), SPEED_MPS, 0.0, wall)
     assert edges.lane_confidence == 0.0
 
 
