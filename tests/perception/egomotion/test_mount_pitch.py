@@ -25,7 +25,7 @@ CAMERA = Camera()
 assert ROBUST.camera_pitch is not None
 PITCH, MOUNTING = ROBUST.camera_pitch, ROBUST.camera_pitch.mounting
 SPEED_MPS, RATE_HZ = 5.55, 20.0
-BEND = np.array([1.2, 0.1, 0.004, 0.006, 0.008, 0.01, 3.5, 0.006])
+BEND = np.array([1.2, 0.1, 0.004, 0.006, 0.008, 0.01, 3.5, 0.006, 0.0, 0.0])
 NUMBERS: Floats = np.array([-2.0, 0.0, 1.5])
 
 
@@ -51,7 +51,7 @@ def test_lines_are_seen_where_an_askew_camera_shows_them(pitch_rad: float) -> No
     """Places of the lines, projected by the camera as it is, and read off by the camera as it is believed to be."""
     forward: Floats = np.arange(4.0, 28.0, 3.0)
     state, level = BEND.copy(), BEND.copy()
-    state[-1], level[-1] = pitch_rad, 0.0
+    state[PITCH_STATE], level[PITCH_STATE] = pitch_rad, 0.0
     right, _, reached = seen_lines(state, NUMBERS, forward, CAMERA)
     assert reached.all()
     row_px = project(CAMERA, np.stack([forward, 0.0 * forward, 0.0 * forward], axis=-1))[:, 1]

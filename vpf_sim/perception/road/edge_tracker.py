@@ -27,7 +27,7 @@ class RoadEdgeTracker:
         self.camera = camera
         self.config = config
         self.matcher = LineMatcher(camera, config, verges)
-        self._colour_view = BirdsEye(camera, config.verge_patch)
+        self._colour_view = BirdsEye(camera, config.colour_patch)
         self._update = Schedule(config.update_period_s, rate_hz)
         self._judgement = Schedule(config.index_period_s, self._update.rate_hz)  # among the updates
         self._search = Schedule(config.search_period_s, rate_hz)
@@ -96,9 +96,8 @@ class RoadEdgeTracker:
     def _correct(self, tracked: LaneFilter, features: RoadFeatures, judge: bool) -> bool:
         """Whether lines and verges about their predicted places corrected the state; the road may be lost."""
         agrees = self.matcher.correct(tracked, features, self._index.numbers)
-        if judge and agrees and self.matcher.verges is not None and features.steps is not None:
-            self.matcher.verges.judge(tracked, features.steps)
-            self.matcher.verges.find(tracked, features.steps)
+        if judge and agrees:
+            self.matcher.update_verges(tracked, features)
         if agrees is not None:
             self._refuted = 0 if agrees else self._refuted + 1
             self._agreed_m = self._travelled_m if agrees else self._agreed_m

@@ -3,41 +3,33 @@
 from dataclasses import replace
 from math import isfinite
 
-import cv2
 import numpy as np
 
-from vpf_sim.perception.road.birds_eye import BirdsEye, ridge
-from vpf_sim.perception.road.markings import RidgeMap, RoadFeatures, noise_threshold, sight
-from vpf_sim.perception.road.model import PITCH, seen_places
-from vpf_sim.perception.road.obstacle_mask import hidden_by
+from vpf_sim.perception.road.birds_eye import ridge
+from vpf_sim.perception.road.feature_matcher import FeatureMatcher
+from vpf_sim.perception.road.markings import RidgeMap, RoadFeatures, noise_threshold
+from vpf_sim.perception.road.model import PITCH
 from vpf_sim.perception.road.road_settings import RoadEdgeConfig, VergeConfig
-from vpf_sim.perception.road.state_filter import LaneFilter, Sightings, initial_covariance
+from vpf_sim.perception.road.state_filter import LaneFilter, initial_covariance
 from vpf_sim.perception.road.verges import VergeMatcher
 from vpf_sim.types import Camera, Floats, Image, Obstacles
 
 
-class LineMatcher:
-    """Holds the bird's-eye view of a camera."""
+class LineMatcher(FeatureMatcher):
+    """Matches the lines in frames of one camera, and with them the verges, if these are searched for."""
 
     def __init__(self, camera: Camera, config: RoadEdgeConfig, verges: VergeConfig | None) -> None:
-        self.camera = camera
+        margin = round((config.ridge_reach_m + config.centroid_m) / config.column_m)
+        super().__init__(camera, config, config.patch, margin, config.sigma_m)
         self.config = config
-        self.view = BirdsEye(camera, config.patch)
         self.verges = None if verges is None else VergeMatcher(camera, config, verges)
-        margin = 2 * round((config.ridge_reach_m + config.centroid_m) / config.column_m) + 1
-        self._visible = cv2.erode(self.view.visible.astype(np.uint8), np.ones((1, margin), np.uint8)) > 0
-        depth = self.view.forward_m - camera.forward_m
-        self._variance: Floats = config.sigma_m**2 + (config.sigma_px * depth / camera.fx_px) ** 2
 
     def ridges(self, grey: Image, obstacles: Obstacles | None, pitch_rad: float) -> RidgeMap:
         """The ridges of a frame outside the parts that obstacles hide."""
-        config, visible = self.config, self._visible
+        config = self.config
         response = ridge(self.view.warp(grey), round(config.ridge_reach_m / config.column_m))
-        if obstacles is not None and len(obstacles):
-            visible = visible & ~hidden_by(obstacles, self.view, pitch_rad, config.obstacle_mask)
-        return RidgeMap(
-            self.view, response, noise_threshold(response, config.least_contrast), visible, config.centroid_m
-        )
+        threshold = noise_threshold(response, config.least_contrast)
+        return RidgeMap(self.view, response, threshold, self.visible(obstacles, pitch_rad), config.centroid_m)
 
     def features(self, image_rgb: Image, grey: Image, obstacles: Obstacles | None, pitch_rad: float) -> RoadFeatures:
         """What a frame shows of the road outside the parts that obstacles hide."""
@@ -49,10 +41,10 @@ class LineMatcher:
 
         By lines and verges, by their near part alone, or by the verges alone.
         """
-        lines, verges = self._sightings(tracked, features.ridges, numbers), None
-        if self.verges is not None and features.steps is not None:
-            verges = self.verges.sightings(tracked, features.steps)
-        found = lines if verges is None else lines.joined(verges)
+        found, verges = self.sightings(tracked, features.ridges, numbers), None
+        if self.verges is not None and features.steps is not None and tracked.verges:
+            verges = self.verges.sightings(tracked, features.steps, tracked.verge_numbers)
+            found = found.joined(verges)
         if np.count_nonzero(found.seen) < self.config.least_rows:
             return None
         near = replace(found, seen=found.seen & (found.forward_m < self.config.filter.near_part.within_m))
@@ -66,11 +58,11 @@ class LineMatcher:
             tracked.state, tracked.covariance = known
         return False
 
-    def _sightings(self, tracked: LaneFilter, ridges: RidgeMap, numbers: Floats) -> Sightings:
-        """Where the lines are seen about their predicted places."""
-        expected_m, reached = seen_places(tracked.state, numbers, self.view.forward_m, self.camera)
-        right_m, seen = sight(ridges, expected_m, reached, self.config.filter.reach_m)
-        return Sightings(numbers, self.view.forward_m, right_m, np.broadcast_to(self._variance, seen.shape), seen)
+    def update_verges(self, tracked: LaneFilter, features: RoadFeatures) -> None:
+        """Judge the known verges of a road, and add those that are found."""
+        if self.verges is not None and features.steps is not None:
+            self.verges.judge(tracked, features.steps)
+            self.verges.find(tracked, features.steps)
 
     def settle(
         self, guess: Floats, features: RoadFeatures, numbers: Floats, pitch_sigma_rad: float
@@ -82,8 +74,7 @@ class LineMatcher:
         for _ in range(first.corrections):
             found.covariance = initial_covariance(*sigmas, self.config.filter)
             found.verges.clear()
-            if self.verges is not None and features.steps is not None:
-                self.verges.find(found, features.steps)
+            self.update_verges(found, features)
             if not self.correct(found, features, numbers):
                 return None
         return found

@@ -7,7 +7,7 @@ import numpy as np
 from vpf_sim.perception.quantiles import quantile
 from vpf_sim.perception.road.birds_eye import BirdsEye
 from vpf_sim.perception.road.road_settings import CombConfig
-from vpf_sim.types import Bools, Floats, Image, Singles
+from vpf_sim.types import Bools, Floats, Image, Integers, Singles
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +77,7 @@ def comb(
     """
     view = ridges.view
     rows = np.flatnonzero(view.forward_m < config.reach_m)
-    fine = bright(ridges)[rows]
+    fine = bright(ridges, rows)
     coarse = np.maximum(fine[:, 0:-1:2], fine[:, 1::2])
     column_m = 2.0 * view.column_m
     heading, curvature = (
@@ -86,7 +86,7 @@ def comb(
     straight = _straightened(coarse, view.forward_m[rows], column_m, heading, curvature)
     unlikely = config.unlikely_per_rad * np.abs(heading - likely_rad) + config.unlikely_m * np.abs(curvature)
     if steps is not None:
-        along = _straightened(bright(steps)[rows], view.forward_m[rows], steps.view.column_m, heading, curvature)
+        along = _straightened(bright(steps, rows), view.forward_m[rows], steps.view.column_m, heading, curvature)
         sharp = along - np.median(along, axis=1, keepdims=True)
         for side_m in (-steps.view.right_m, steps.view.right_m):
             unlikely = unlikely - sharp[:, side_m > beside_m].max(axis=1)
@@ -100,10 +100,10 @@ def comb(
     return best, road
 
 
-def bright(ridges: RidgeMap) -> Singles:
-    """(rows, columns) how bright the ridges are: 0, or half .. 1 as bright as can be."""
-    share = np.minimum(ridges.response, 2.0 * ridges.threshold) / (2.0 * ridges.threshold)
-    return np.where(ridges.visible & (share > 0.5), share, 0.0).astype(np.float32)
+def bright(ridges: RidgeMap, rows: Integers) -> Singles:
+    """(rows, columns) how bright the ridges are in these rows of the patch: 0, or half .. 1 as bright as can be."""
+    share = np.minimum(ridges.response[rows], 2.0 * ridges.threshold) / (2.0 * ridges.threshold)
+    return np.where(ridges.visible[rows] & (share > 0.5), share, 0.0).astype(np.float32)
 
 
 def _best_tooth(straight: Singles, period: float, unlikely: Floats) -> tuple[float, int, int]:

@@ -17,7 +17,7 @@ NODES_M = np.array([0.0, 8.0, 16.0, 24.0])
 CURVATURES = slice(2, 2 + len(NODES_M))
 WIDTH = 2 + len(NODES_M)
 PITCH = WIDTH + 1
-VERGE = {-np.inf: PITCH + 1, np.inf: PITCH + 2}  # the places of the left and the right verge, by their numbers
+VERGE = {-np.inf: PITCH + 1, np.inf: PITCH + 2}  # index in the state of the left and the right verge, by number
 STATES = PITCH + 3
 LEAST_DIP_RAD = 0.02  # of a row below the horizon; what is higher shows no line
 ALONG_M = np.arange(-6.0, 48.1, 0.5)  # (G,) stations along line 0
@@ -47,9 +47,14 @@ def state_of(place_m: float, heading_rad: float, curvature_per_m: float, lane_wi
     return np.array([place_m, heading_rad, *np.full(len(NODES_M), curvature_per_m), lane_width_m, 0.0, 0.0, 0.0])
 
 
-def _offsets(state: Floats, numbers: Floats) -> Floats:
-    """(L,) m, places of lines right of line 0."""
-    return np.array([state[VERGE[number]] if number in VERGE else number * state[WIDTH] for number in numbers.tolist()])
+def _offset_rates(numbers: Floats) -> Floats:
+    """(L, 10) the derivative by the state of the lines' places right of line 0, which are this times the state."""
+    rates = np.zeros((len(numbers), STATES))
+    is_line = np.isfinite(numbers)
+    rates[is_line, WIDTH] = numbers[is_line]
+    for number, index in VERGE.items():
+        rates[numbers == number, index] = 1.0
+    return rates
 
 
 def _crossings(state: Floats, numbers: Floats, forward_m: Floats) -> tuple[Floats, Bools, Integers, Floats]:
@@ -58,7 +63,7 @@ def _crossings(state: Floats, numbers: Floats, forward_m: Floats) -> tuple[Float
     Then the last station before each crossing (L, R), and line 0's direction at all stations (G,).
     """
     y, heading = state[0], state[1]
-    offsets_m = _offsets(state, numbers)[:, None]
+    offsets_m = (_offset_rates(numbers)[:, WIDTH:] @ state[WIDTH:])[:, None]
     direction = heading + TURNS @ state[CURVATURES]
     cosine, sine = course = np.array([np.cos(direction), np.sin(direction)])
     centre_x, centre_y = _integrated(course)
@@ -88,13 +93,11 @@ def seen_lines(state: Floats, numbers: Floats, forward_m: Floats, camera: Camera
     slope = np.sin(direction).take(lower) * secant
     sine, apparent = np.sin(dip), np.sin(dip - state[PITCH])
     scale = sine / apparent
-    jacobian = np.zeros((*right.shape, STATES))
+    jacobian = np.empty((*right.shape, STATES))
     jacobian[..., 0] = -np.cos(direction - state[1]).take(lower) * secant
     jacobian[..., 1] = ahead + right * slope
     jacobian[..., CURVATURES] = BENDS.take(lower, axis=0) * secant[..., None]
-    for line, number in enumerate(numbers.tolist()):
-        by, rate = (VERGE[number], 1.0) if number in VERGE else (WIDTH, number)
-        jacobian[line, :, by] = rate * secant[line]
+    jacobian[..., WIDTH:] = _offset_rates(numbers)[:, None, WIDTH:] * secant[..., None]
     jacobian *= scale[:, None]
     jacobian[..., PITCH] = right * np.cos(dip) / apparent - slope * scale * camera.height_m / sine**2
     return right * scale, jacobian, reached & (dip > LEAST_DIP_RAD)

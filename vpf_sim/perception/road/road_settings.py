@@ -85,7 +85,7 @@ class RoadFilterConfig:
 
     @property
     def drift(self) -> Floats:
-        """(10,) process noise of the state in a metre of way."""
+        """(10,) process noise of the state in a metre travelled."""
         ends = self.drift_width_m, self.drift_pitch_rad, self.drift_verge_m, self.drift_verge_m
         return np.array([self.drift_m, self.drift_rad, *self.drift_curvature_per_m, *ends])
 
@@ -126,12 +126,12 @@ class VergeConfig:
     column_m: float = setting("Distance between columns of the bird's-eye patch.", gt=0.0)
     surface_m: float = setting("Width of the surfaces at both sides that are compared.", gt=0.0)
     centroid_m: float = setting("Distance about the strongest step whose centroid is the verge.", gt=0.0)
-    least_levels: float = setting("Least difference of colour of a verge.", gt=0.0)
+    least_levels: float = setting("Least difference of colour of a verge in grey levels.", gt=0.0)
     sigma_m: float = setting("Standard deviation of an observation on the road.", gt=0.0)
     beside_m: float = setting("Least distance of a verge from the car's middle.", gt=0.0)
     least_length_m: float = setting("Visible length without which a verge is not judged.", gt=0.0)
     found_share: float = setting("Share of its length in which a new verge must be visible.", gt=0.0)
-    clear_share: float = setting("Share of its length from which a verge tells the edges.", gt=0.0)
+    clear_share: float = setting("Visible share of its length from which a verge is evidence for the edges.", gt=0.0)
     found_sigma_m: float = setting("Standard deviation of the place of a new verge.", gt=0.0)
     lost_share: float = setting("Share of its length below which a verge is forgotten.", gt=0.0)
     new_share: float = setting("Weight of the last frame in the averaged share.", gt=0.0, le=1.0)
@@ -248,12 +248,12 @@ class RoadEdgeConfig:
     def patch(self) -> Patch:
         return Patch(self.near_m, self.far_m, self.half_width_m, self.row_m, self.column_m)
 
-    def patch_of_verges(self, column_m: float) -> Patch:
+    def verge_patch(self, column_m: float) -> Patch:
         """For the verges; its rows are those of `patch`."""
         return Patch(self.near_m, self.far_m, self.half_width_m + self.verge_m, self.row_m, column_m)
 
     @property
-    def verge_patch(self) -> Patch:
+    def colour_patch(self) -> Patch:
         """Coarser, for the ground's colour."""
         width = self.half_width_m + self.verge_m
         return Patch(self.near_m, self.far_m, width, 2.0 * self.row_m, 10.0 * self.column_m)

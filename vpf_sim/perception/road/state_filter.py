@@ -43,8 +43,8 @@ def initial_covariance(
 class LaneFilter:
     """Extended Kalman filter of the road's state."""
 
-    state: Floats  # (8,)
-    covariance: Floats  # (8, 8)
+    state: Floats  # (10,)
+    covariance: Floats  # (10, 10)
     camera: Camera
     config: RoadFilterConfig
     verges: dict[float, float] = field(default_factory=dict)  # 0 .. 1, visible shares of the known ones, by number
@@ -73,6 +73,11 @@ class LaneFilter:
             gradient = weighted.T @ residual + information @ (prior - state)
             state = state + np.linalg.solve(normal, gradient)
         self.state, self.covariance = state, np.linalg.inv(normal)
+
+    @property
+    def verge_numbers(self) -> Floats:
+        """Of the known verges."""
+        return np.array(list(self.verges))
 
     def add_verge(self, number: float, place_m: float, sigma_m: float, share: float) -> None:
         """Take a verge `place_m` right of line 0 into the state. Where it was seen, the pose's place was uncertain."""

@@ -4,46 +4,31 @@ import cv2
 import numpy as np
 
 from vpf_sim.perception.quantiles import quantile
-from vpf_sim.perception.road.birds_eye import BirdsEye
+from vpf_sim.perception.road.feature_matcher import FeatureMatcher
 from vpf_sim.perception.road.markings import RidgeMap, bright, sight
 from vpf_sim.perception.road.model import VERGE, WIDTH, seen_places
-from vpf_sim.perception.road.obstacle_mask import hidden_by
 from vpf_sim.perception.road.road_settings import RoadEdgeConfig, VergeConfig
-from vpf_sim.perception.road.state_filter import LaneFilter, Sightings
+from vpf_sim.perception.road.state_filter import LaneFilter
 from vpf_sim.types import Bools, Camera, Floats, Image, Integers, Obstacles
 
 
-class VergeMatcher:
+class VergeMatcher(FeatureMatcher):
     """Finds the verges of a tracked road in frames of one camera, and matches them."""
 
     def __init__(self, camera: Camera, road: RoadEdgeConfig, config: VergeConfig) -> None:
-        self.config, self._road = config, road
-        self.view = BirdsEye(camera, road.patch_of_verges(config.column_m))
+        self.config = config
         self._reach = round(config.surface_m / config.column_m)
-        margin = 2 * (3 * self._reach + round(config.centroid_m / config.column_m)) + 1
-        self._visible = cv2.erode(self.view.visible.astype(np.uint8), np.ones((1, margin), np.uint8)) > 0
-        depth = self.view.forward_m - camera.forward_m
-        self._variance: Floats = config.sigma_m**2 + (road.sigma_px * depth / camera.fx_px) ** 2
+        margin = 3 * self._reach + round(config.centroid_m / config.column_m)
+        super().__init__(camera, road, road.verge_patch(config.column_m), margin, config.sigma_m)
 
     def steps(self, image_rgb: Image, obstacles: Obstacles | None, pitch_rad: float) -> RidgeMap:
         """The steps of colour in a frame outside the parts that obstacles hide."""
-        road, visible = self._road, self._visible
+        visible = self.visible(obstacles, pitch_rad)
         response = step(self.view.warp(image_rgb), self._reach)
-        if obstacles is not None and len(obstacles):
-            visible = visible & ~hidden_by(obstacles, self.view, pitch_rad, road.obstacle_mask)
         sample = response[::2, ::2][visible[::2, ::2]]
         usual = quantile(sample, 0.5) if sample.size else 0.0
         threshold = max(self.config.least_levels, 2.0 * usual)
         return RidgeMap(self.view, response, threshold, visible, self.config.centroid_m)
-
-    def sightings(self, tracked: LaneFilter, steps: RidgeMap) -> Sightings | None:
-        """Where the known verges are seen; None: none is known."""
-        if not tracked.verges:
-            return None
-        numbers = np.array(list(tracked.verges))
-        expected_m, reached = seen_places(tracked.state, numbers, self.view.forward_m, self.view.camera)
-        right_m, seen = sight(steps, expected_m, reached, self._road.filter.reach_m)
-        return Sightings(numbers, self.view.forward_m, right_m, np.broadcast_to(self._variance, seen.shape), seen)
 
     def find(self, tracked: LaneFilter, steps: RidgeMap) -> None:
         """Add the verges that are not known yet, and are clear beside a lane's width about the pose."""
@@ -52,10 +37,11 @@ class VergeMatcher:
             return
         config, view = self.config, self.view
         places_m, reached = seen_places(
-            tracked.state, (tracked.state[0] + view.right_m) / tracked.state[WIDTH], view.forward_m, view.camera
+            tracked.state, (tracked.state[0] + view.right_m) / tracked.state[WIDTH], view.forward_m, self.camera
         )
         columns, shown, length_m = self._shown(places_m, reached, steps)
-        clear = (bright(steps)[np.arange(len(view.forward_m)), columns] * shown) @ view.length_m
+        rows = np.arange(len(view.forward_m))
+        clear = (bright(steps, rows)[rows, columns] * shown) @ view.length_m
         share = clear / np.maximum(length_m, config.least_length_m)
         share -= np.median(share)
         for number in missing:
@@ -66,15 +52,15 @@ class VergeMatcher:
                 tracked.add_verge(number, place_m, config.found_sigma_m, float(beside[best]))
 
     def clear(self, tracked: LaneFilter) -> list[float]:
-        """Numbers of the verges that are clear enough to tell the edges."""
+        """Numbers of the verges that are clear enough to be evidence for the edges."""
         return [number for number, share in tracked.verges.items() if share > self.config.clear_share]
 
     def judge(self, tracked: LaneFilter, steps: RidgeMap) -> None:
         """Average the visible shares of the known verges, and drop those that have gone."""
         if not tracked.verges:
             return
-        config, view, numbers = self.config, self.view, np.array(list(tracked.verges))
-        expected_m, reached = seen_places(tracked.state, numbers, view.forward_m, view.camera)
+        config, view, numbers = self.config, self.view, tracked.verge_numbers
+        expected_m, reached = seen_places(tracked.state, numbers, view.forward_m, self.camera)
         _, shown, length_m = self._shown(expected_m, reached, steps)
         _, seen = sight(steps, expected_m, shown, config.on_verge_m)
         shares = (seen @ view.length_m) / np.maximum(length_m, 1e-9)
