@@ -47,6 +47,7 @@ class RoadPicture:
     half_width_m: float = 7.0
     lane_width_m: float = 3.5
     paint_ends_m: float = np.inf  # along the centre line
+    paint_aside_m: float = 0.0  # right of where the lines are otherwise
 
     def pose(self, along_m: float, right_m: float, heading_rad: float) -> Floats:
         """(x, y, yaw) `right_m` right of the centre line, turned by `heading_rad` from its direction."""
@@ -70,10 +71,10 @@ class RoadPicture:
         ground = ground_in_view(self.camera)
         along, right = self.local(world_from_vehicle(ground.places_m, pose))
         colours = np.where((np.abs(right) < self.half_width_m + 0.5)[:, None], ASPHALT, self.verge).astype(float)
-        lines = np.arange(-self.half_width_m, self.half_width_m + 0.1, self.lane_width_m)
+        lines = np.arange(-self.half_width_m, self.half_width_m + 0.1, self.lane_width_m) + self.paint_aside_m
         nearest = np.clip(np.rint((right - lines[0]) / self.lane_width_m).astype(int), 0, len(lines) - 1)
         cover = np.clip((0.075 - np.abs(right - lines[nearest])) / ground.pixel_m + 0.5, 0.0, 1.0)
-        is_dashed = np.abs(lines[nearest]) < self.half_width_m
+        is_dashed = np.abs(lines[nearest] - self.paint_aside_m) < self.half_width_m
         cover *= ~is_dashed | (np.mod(along, 9.0) < 3.0)
         cover *= along < self.paint_ends_m
         painted = np.flatnonzero(cover)
@@ -90,7 +91,7 @@ def follow(
     heading_rad: float,
     frames: int,
     rate_hz: float = 20.0,
-    verges: VergeConfig | None = None,
+    verges: VergeConfig | None = ROBUST.verges,
 ) -> Iterator[tuple[RoadEdges, float]]:
     """The edges seen on a straight course over a straight road, or one parallel to a bent road, and the true place."""
     tracker = RoadEdgeTracker(picture.camera, ROBUST.road_edges, rate_hz, verges)

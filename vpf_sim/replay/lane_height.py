@@ -71,7 +71,7 @@ def _score(images: Sequence[Image], camera: Camera, config: RoadEdgeConfig, widt
         lines = RidgeMap(
             view, response, noise_threshold(response, config.least_contrast), view.visible, config.centroid_m
         )
-        found.append(comb(lines, np.array([width_m]), width_m, config.comb)[0])
+        found.append(comb(lines, np.array([width_m]), width_m, config.comb).score)
     return float(np.mean(found))
 
 

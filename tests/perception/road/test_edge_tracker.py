@@ -170,7 +170,8 @@ def test_where_a_road_is_known_a_guess_whose_lines_lead_far_from_it_is_none(off_
     frame = picture.draw(pose)
     tracker.update(frame, grey(frame), pose, SPEED_MPS, 0.0, None)
     features = tracker.matcher.features(frame, grey(frame), None, 0.0)
-    settled = tracker.settled(state_of(1.75 - 5.0 * off_rad, off_rad, 0.0, 3.5), features)
+    guess = state_of(1.75 - 5.0 * off_rad, off_rad, 0.0, 3.5)
+    settled = tracker.settled(guess, features, tracker.config.first_guess.sigma_m)
     assert (settled is not None) == found
     if settled is not None:
         assert settled.state[1] == pytest.approx(0.0, abs=0.01)
@@ -187,7 +188,7 @@ def test_without_any_line_it_is_the_likely_lane_and_says_so() -> None:
 
 
 def test_two_lines_are_no_four_lane_road() -> None:
-    *_, (last, _) = follow(RoadPicture(Camera(), lane_width_m=14.0), 1.75, 0.0, 5)
+    *_, (last, _) = follow(RoadPicture(Camera(), lane_width_m=14.0), 1.75, 0.0, 5, verges=None)
     assert last.confidence < 0.5
 
 

@@ -44,12 +44,10 @@ def test_a_mirror_image_that_lies_askew_is_no_road() -> None:
     view, response = drawn_lines(state_of(1.5, 0.0, 0.0, 3.5), 8, gaps=5)
     askew = 1.0 + np.tan(np.radians(11.0)) * view.forward_m
     response[np.abs(view.right_m - askew[:, None]) < 0.08] = 20
-    score, (y, heading, _, width) = comb(
-        RidgeMap(view, response, 5.0, view.visible, CONFIG.centroid_m), np.array([3.5]), 3.5, CONFIG.comb
-    )
-    assert score > CONFIG.least_comb
-    assert np.degrees(heading) == pytest.approx(0.0, abs=1.0)
-    assert y % width == pytest.approx(1.5, abs=0.15)
+    found = comb(RidgeMap(view, response, 5.0, view.visible, CONFIG.centroid_m), np.array([3.5]), 3.5, CONFIG.comb)
+    assert found.score > CONFIG.least_comb
+    assert np.degrees(found.heading) == pytest.approx(0.0, abs=1.0)
+    assert found.y % found.width == pytest.approx(1.5, abs=0.15)
 
 
 def test_a_mirror_image_that_bends_away_is_no_road() -> None:
@@ -57,11 +55,9 @@ def test_a_mirror_image_that_bends_away_is_no_road() -> None:
     view, response = drawn_lines(state_of(1.5, 0.0, 0.0, 3.5), 18, gaps=4)
     aside = 1.0 + 0.5 * 0.02 * view.forward_m**2
     response[np.abs(view.right_m - aside[:, None]) < 0.08] = 20
-    _, (y, _, curvature, width) = comb(
-        RidgeMap(view, response, 10.0, view.visible, CONFIG.centroid_m), np.array([3.5]), 3.5, CONFIG.comb
-    )
-    assert curvature == pytest.approx(0.0, abs=0.002)
-    assert y % width == pytest.approx(1.5, abs=0.15)
+    found = comb(RidgeMap(view, response, 10.0, view.visible, CONFIG.centroid_m), np.array([3.5]), 3.5, CONFIG.comb)
+    assert found.curvature == pytest.approx(0.0, abs=0.002)
+    assert found.y % found.width == pytest.approx(1.5, abs=0.15)
 
 
 @pytest.mark.parametrize(("near", "far", "agrees"), [(5, 5, True), (5, 2, True), (5, 1, False), (1, 1, True)])

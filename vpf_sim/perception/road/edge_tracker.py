@@ -1,17 +1,36 @@
 """Tracker of the carriageway's edges by painted lines and the verges, without a map."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from vpf_sim.geometry import rotation, wrap_angle
 from vpf_sim.perception.road.birds_eye import BirdsEye
 from vpf_sim.perception.road.hypotheses import CarriagewayHypotheses
-from vpf_sim.perception.road.line_matcher import LineMatcher
+from vpf_sim.perception.road.line_matcher import LineMatcher, Match
 from vpf_sim.perception.road.markings import RidgeMap, RoadFeatures, comb
 from vpf_sim.perception.road.model import PITCH, WIDTH, curvature_ahead, state_of
-from vpf_sim.perception.road.road_settings import RoadEdgeConfig, VergeConfig
+from vpf_sim.perception.road.road_settings import RefutationConfig, RoadEdgeConfig, VergeConfig
 from vpf_sim.perception.road.state_filter import LaneFilter
 from vpf_sim.perception.schedule import Schedule
 from vpf_sim.types import Camera, Floats, Image, Obstacles, RoadEdges
+
+
+@dataclass(slots=True)
+class Refutation:
+    """Whether the road has been seen elsewhere than expected for long enough."""
+
+    config: RefutationConfig
+    frames: int = 0  # since it was last where expected
+    agreed_m: float = 0.0  # travelled then
+
+    def add(self, agrees: bool, travelled_m: float) -> None:
+        """A frame in which it is where expected, or not."""
+        self.frames = 0 if agrees else self.frames + 1
+        self.agreed_m = travelled_m if agrees else self.agreed_m
+
+    def holds(self, travelled_m: float) -> bool:
+        return self.frames >= self.config.frames and travelled_m > self.agreed_m + self.config.way_m
 
 
 class RoadEdgeTracker:
@@ -37,7 +56,7 @@ class RoadEdgeTracker:
         self._pose: Floats | None = None
         self._travelled_m, self._judged_m = 0.0, 0.0  # m, now and at the last judgement
         self._frame = -1
-        self._refuted, self._agreed_m = 0, 0.0  # corrections since lines were last where expected, and travel then
+        self._refuted, self._unpainted = Refutation(config.refutation), Refutation(config.refutation)
         self._pitch_rad: float | None = None  # of the camera against the road, at the last correction
         self._pitch_frame = -1  # of that correction
 
@@ -55,9 +74,10 @@ class RoadEdgeTracker:
         self._predict(pose)
         update, search = self._update.step(), self._search.step()
         judge = update and self._judgement.step()
-        if search if self._is_lost else update:
+        search = search and (self._is_lost or self._unpainted.holds(self._travelled_m))
+        if search or (update and not self._is_lost):
             features = self.matcher.features(image_rgb, grey, obstacles, self._pitch_rad or 0.0)
-            if self._is_lost or self._road is None:
+            if search or self._road is None:
                 self._find(image_rgb, features)
             else:
                 has_moved = self._travelled_m >= self._judged_m + self.config.new_road_m
@@ -95,66 +115,70 @@ class RoadEdgeTracker:
 
     def _correct(self, tracked: LaneFilter, features: RoadFeatures, judge: bool) -> bool:
         """Whether lines and verges about their predicted places corrected the state; the road may be lost."""
-        agrees = self.matcher.correct(tracked, features, self._index.numbers)
-        if judge and agrees:
+        match = self.matcher.correct(tracked, features, self._index.numbers)
+        corrected = match in {Match.LINES, Match.VERGES}
+        if judge and corrected:
             self.matcher.update_verges(tracked, features)
-        if agrees is not None:
-            self._refuted = 0 if agrees else self._refuted + 1
-            self._agreed_m = self._travelled_m if agrees else self._agreed_m
-        if self._is_refuted or not self.matcher.is_sane(tracked.state) or tracked.sigma_m > self.config.lost_sigma_m:
-            self._refuted, self._is_lost = 0, True
+        if match is not Match.LITTLE:
+            self._refuted.add(corrected, self._travelled_m)
+        if corrected:
+            self._unpainted.add(match is Match.LINES, self._travelled_m)
+        is_refuted = self._refuted.holds(self._travelled_m)
+        if is_refuted or not self.matcher.is_sane(tracked.state) or tracked.sigma_m > self.config.lost_sigma_m:
+            self._is_lost = True
             return False
-        if agrees:
+        if corrected:
             self._pitch_rad, self._pitch_frame = float(tracked.state[PITCH]), self._frame
-        return bool(agrees)
-
-    @property
-    def _is_refuted(self) -> bool:
-        """Whether other lines than the expected ones have been visible for long enough."""
-        config = self.config.refutation
-        return self._refuted >= config.frames and self._travelled_m > self._agreed_m + config.way_m
+        return corrected
 
     def _find(self, image_rgb: Image, features: RoadFeatures) -> None:
-        """Track the road that explains most ridges: about the lost road, or in any lane where none is known."""
-        config, lost = self.config, self._road if self._is_known(self._road) else None
-        if lost is not None and abs(lost.state[1]) > config.comb.headings_rad[-1]:
-            lost = None
-        widths = config.widths_m if lost is None or not config.keeps_width else lost.state[[WIDTH]]
-        likely_m = config.lane_width_m if lost is None or config.keeps_width else float(lost.state[WIDTH])
-        likely_rad = 0.0 if lost is None else float(lost.state[1])
-        beside_m = self.matcher.verges.config.beside_m if self.matcher.verges is not None else 0.0
-        score, (y, heading, curvature, width) = comb(
+        """Track the road that explains most ridges: about the known road, or in any lane where none is known.
+
+        Verges show where a lost road leads, but not the place of its lines: that takes paint.
+        """
+        config, known = self.config, self._road if self._is_known(self._road) else None
+        if known is not None and abs(known.state[1]) > config.comb.headings_rad[-1]:
+            known = None
+        if known is None and not self._is_lost:
+            return
+        widths = config.widths_m if known is None or not config.keeps_width else known.state[[WIDTH]]
+        found = comb(
             features.ridges,
             widths,
-            likely_m,
+            config.lane_width_m if known is None or config.keeps_width else float(known.state[WIDTH]),
             config.comb,
-            likely_rad,
+            0.0 if known is None else float(known.state[1]),
             unlikely_per_m=config.unlikely_per_m,
             steps=features.steps,
-            beside_m=beside_m,
+            beside_m=0.0 if self.matcher.verges is None else self.matcher.verges.config.beside_m,
         )
-        if score < config.least_comb:
+        is_painted = found.painted >= config.least_comb
+        if not is_painted and (known is None or not self._is_lost or found.score < config.least_comb):
             return
-        place = y % width if lost is None else y + width * round((lost.state[0] - y) / width)
-        if lost is None:
+        place, sigma_m = found.y % found.width, config.first_guess.sigma_m
+        if known is None:
             self._index = CarriagewayHypotheses.start(config.lanes, config.likely_lane, config.hypotheses)
-        guess = state_of(place, heading, curvature, width)
+        elif is_painted:
+            place = found.y + found.width * round((known.state[0] - found.y) / found.width)
+        else:
+            place, sigma_m = float(known.state[0]), known.sigma_m
+        guess = state_of(place, found.heading, found.curvature, found.width)
         guess[PITCH] = self._pitch_rad or 0.0
-        found = self.settled(guess, features)
-        if found is None:
-            self._road = lost
-            return
-        self._follow(found)
-        self._judge(found, image_rgb, features.ridges)
+        road = self.settled(guess, features, sigma_m)
+        if road is not None:
+            self._follow(road)
+            self._judge(road, image_rgb, features.ridges)
+        elif self._is_lost:
+            self._road = known
 
-    def settled(self, guess: Floats, features: RoadFeatures) -> LaneFilter | None:
+    def settled(self, guess: Floats, features: RoadFeatures, sigma_m: float) -> LaneFilter | None:
         """The road about a first guess; None without visible lines, or where these turn a known road.
 
         An unknown road may turn: some bends are tighter than any guess.
         """
         first, check = self.config.first_guess, self.config.guess_check
         pitch_sigma_rad = first.mounted_rad if self._pitch_rad is None else first.pitched_rad
-        found = self.matcher.settle(guess, features, self._index.numbers, pitch_sigma_rad)
+        found = self.matcher.settle(guess, features, self._index.numbers, sigma_m, pitch_sigma_rad)
         if found is None or abs(found.state[1] - guess[1]) <= check.turned_rad:
             return found
         return None if self._is_known(self._road) else found
@@ -162,7 +186,8 @@ class RoadEdgeTracker:
     def _follow(self, found: LaneFilter) -> None:
         """Track a road that was found in this frame."""
         self._road, self._is_lost = found, False
-        self._refuted, self._agreed_m = 0, self._travelled_m
+        for refuted in self._refuted, self._unpainted:
+            refuted.add(True, self._travelled_m)
         self._pitch_rad, self._pitch_frame = float(found.state[PITCH]), self._frame
 
     def _is_known(self, road: LaneFilter | None) -> bool:

@@ -164,11 +164,10 @@ class CarriagewayHypotheses:
 
 
 def _verge_evidence(number: float, state: Floats, config: HypothesesConfig) -> Floats:
-    """(H,) by a verge: the carriageway reaches to it, or to less than a lane before it."""
+    """(H,) by a verge: the carriageway ends before it, be it far, as beside a paved shoulder."""
     outermost = RIGHT if number > 0.0 else FAR
     gap_m = np.sign(number) * (state[VERGE[number]] - outermost * state[WIDTH])
-    fits = (gap_m > -config.line_reach_m) & (gap_m < state[WIDTH])
-    return np.where(fits, 0.0, np.log(config.off_verge))
+    return np.where(gap_m > -config.line_reach_m, 0.0, np.log(config.off_verge))
 
 
 def _ground_evidence(

@@ -1,6 +1,7 @@
 """Matches a road's lines and verges with a frame, and corrects its state by them."""
 
 from dataclasses import replace
+from enum import Enum, auto
 from math import isfinite
 
 import numpy as np
@@ -13,6 +14,15 @@ from vpf_sim.perception.road.road_settings import RoadEdgeConfig, VergeConfig
 from vpf_sim.perception.road.state_filter import LaneFilter, initial_covariance
 from vpf_sim.perception.road.verges import VergeMatcher
 from vpf_sim.types import Camera, Floats, Image, Obstacles
+
+
+class Match(Enum):
+    """What a frame shows where a road is predicted."""
+
+    LINES = auto()  # its lines
+    VERGES = auto()  # its verges alone
+    OTHERS = auto()  # other lines
+    LITTLE = auto()  # too little to say
 
 
 class LineMatcher(FeatureMatcher):
@@ -36,27 +46,24 @@ class LineMatcher(FeatureMatcher):
         steps = None if self.verges is None else self.verges.steps(image_rgb, obstacles, pitch_rad)
         return RoadFeatures(self.ridges(grey, obstacles, pitch_rad), steps)
 
-    def correct(self, tracked: LaneFilter, features: RoadFeatures, numbers: Floats) -> bool | None:
-        """Whether the frame corrected the state; None: too little of the road is visible.
-
-        By lines and verges, by their near part alone, or by the verges alone.
-        """
-        found, verges = self.sightings(tracked, features.ridges, numbers), None
+    def correct(self, tracked: LaneFilter, features: RoadFeatures, numbers: Floats) -> Match:
+        """Correct the state by lines and verges, by their near part alone, or by the verges alone, if one matches."""
+        found, parts = self.sightings(tracked, features.ridges, numbers), []
         if self.verges is not None and features.steps is not None and tracked.verges:
             verges = self.verges.sightings(tracked, features.steps, tracked.verge_numbers)
             found = found.joined(verges)
+            parts = [verges] if np.count_nonzero(verges.seen) >= self.config.least_rows else []
         if np.count_nonzero(found.seen) < self.config.least_rows:
-            return None
+            return Match.LITTLE
         near = replace(found, seen=found.seen & (found.forward_m < self.config.filter.near_part.within_m))
-        parts, known = [found, near], (tracked.state, tracked.covariance)
-        if verges is not None and np.count_nonzero(verges.seen) >= self.config.least_rows:
-            parts.append(verges)
-        for part in parts:
+        known = tracked.state, tracked.covariance
+        for part in (found, near, *parts):
             tracked.correct(part)
             if self.is_sane(tracked.state) and tracked.agrees(part):
-                return True
+                by_lines = not tracked.verges or tracked.agrees(part.lines)
+                return Match.LINES if by_lines else Match.VERGES
             tracked.state, tracked.covariance = known
-        return False
+        return Match.OTHERS
 
     def update_verges(self, tracked: LaneFilter, features: RoadFeatures) -> None:
         """Judge the known verges of a road, and add those that are found."""
@@ -65,17 +72,20 @@ class LineMatcher(FeatureMatcher):
             self.verges.find(tracked, features.steps)
 
     def settle(
-        self, guess: Floats, features: RoadFeatures, numbers: Floats, pitch_sigma_rad: float
+        self, guess: Floats, features: RoadFeatures, numbers: Floats, sigma_m: float, pitch_sigma_rad: float
     ) -> LaneFilter | None:
-        """The road about a first guess, corrected several times by one frame; None where it is not visible."""
+        """The road about a first guess, corrected several times by one frame; None where it is not visible.
+
+        The standard deviations are those of the guess's place and pitch.
+        """
         first = self.config.first_guess
         found = LaneFilter(guess, np.empty(0), self.camera, self.config.filter)
-        sigmas = (first.sigma_m, first.sigma_rad, first.width_sigma_m, pitch_sigma_rad)
+        sigmas = (sigma_m, first.sigma_rad, first.width_sigma_m, pitch_sigma_rad)
         for _ in range(first.corrections):
             found.covariance = initial_covariance(*sigmas, self.config.filter)
             found.verges.clear()
             self.update_verges(found, features)
-            if not self.correct(found, features, numbers):
+            if self.correct(found, features, numbers) not in {Match.LINES, Match.VERGES}:
                 return None
         return found
 

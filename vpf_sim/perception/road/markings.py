@@ -1,6 +1,8 @@
 """Looking for painted lines in a bird's-eye patch: about predicted places, and from scratch."""
 
 from dataclasses import dataclass
+from operator import attrgetter
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,6 +29,17 @@ class RoadFeatures:
 
     ridges: RidgeMap  # painted lines
     steps: RidgeMap | None  # of colour, as at verges; None: they are not searched
+
+
+class CombedRoad(NamedTuple):
+    """The road that explains most of a frame, by lines a lane's width apart."""
+
+    score: float  # number of lines, each seen in every row and as bright as can be, with steps that count as lines
+    painted: float  # the same without the steps
+    y: float  # m, the pose's place right of any one line
+    heading: float  # rad
+    curvature: float  # 1/m
+    width: float  # m, of a lane
 
 
 def noise_threshold(response: Image, least: float) -> float:
@@ -66,14 +79,13 @@ def comb(
     unlikely_per_m: float = 0.0,
     steps: RidgeMap | None = None,
     beside_m: float = 0.0,
-) -> tuple[float, Floats]:
-    """The road that explains most ridges of one frame: its score, and (4,) y, heading, curvature, width of a lane.
+) -> CombedRoad:
+    """The road that explains most ridges of one frame.
 
     Each heading and curvature straightens the patch; parallel lines then stand out in the mean over its rows, and lines
-    a lane apart in that taken modulo the lane's width. The score counts lines: one that is seen in every row, and as
-    bright as can be, is 1. The place y is that of the pose right of any one line. Of widths and headings, the likely
-    one is taken unless another explains more, and the straight road: a single line fits any width, and mirror images
-    lie askew. The clearest of the `steps` on either side, at least `beside_m` from the pose, counts as a line.
+    a lane apart in that taken modulo the lane's width. Of widths and headings, the likely one is taken unless another
+    explains more, and the straight road: a single line fits any width, and mirror images lie askew. The clearest of the
+    `steps` on either side, at least `beside_m` from the pose, counts as a line.
     """
     view = ridges.view
     rows = np.flatnonzero(view.forward_m < config.reach_m)
@@ -85,19 +97,23 @@ def comb(
     )
     straight = _straightened(coarse, view.forward_m[rows], column_m, heading, curvature)
     unlikely = config.unlikely_per_rad * np.abs(heading - likely_rad) + config.unlikely_m * np.abs(curvature)
+    beside = np.zeros(len(heading))
     if steps is not None:
         along = _straightened(bright(steps, rows), view.forward_m[rows], steps.view.column_m, heading, curvature)
         sharp = along - np.median(along, axis=1, keepdims=True)
-        for side_m in (-steps.view.right_m, steps.view.right_m):
-            unlikely = unlikely - sharp[:, side_m > beside_m].max(axis=1)
-    best, road = -np.inf, np.zeros(4)
+        beside = np.sum(
+            [sharp[:, side_m > beside_m].max(axis=1) for side_m in (-steps.view.right_m, steps.view.right_m)], axis=0
+        )
+    roads = []
     for width_m in widths_m.tolist():
-        score, i, tooth = _best_tooth(straight, width_m / column_m, unlikely)
+        score, i, tooth = _best_tooth(straight, width_m / column_m, unlikely - beside)
         score -= unlikely_per_m * abs(width_m - likely_m)
-        if score > best:
-            right_m = view.right_m[0] + 0.5 * view.column_m + tooth * column_m
-            best, road = score, np.array([-right_m * np.cos(heading[i]), heading[i], curvature[i], width_m])
-    return best, road
+        right_m = view.right_m[0] + 0.5 * view.column_m + tooth * column_m
+        place_m = -right_m * float(np.cos(heading[i]))
+        roads.append(
+            CombedRoad(score, score - float(beside[i]), place_m, float(heading[i]), float(curvature[i]), width_m)
+        )
+    return max(roads, key=attrgetter("score"))
 
 
 def bright(ridges: RidgeMap, rows: Integers) -> Singles:

@@ -172,7 +172,7 @@ class HypothesesConfig:
     hidden_share: float = setting("Visible share below which a line is invisible.", ge=0.0, lt=1.0)
     least_length_m: float = setting("Visible length without which a line or strip gives no evidence.", gt=0.0)
     line_reach_m: float = setting("Distance from the expected place within which a line is searched.", gt=0.0)
-    off_verge: float = setting("Likelihood of an edge that is not the last line before a clear verge.", gt=0.0, le=1.0)
+    off_verge: float = setting("Likelihood of an edge beyond a clear verge.", gt=0.0, le=1.0)
     kept: float = setting("Share of the evidence that is kept from one update to the next.", gt=0.0, lt=1.0)
     weight: float = setting("Weight of the evidence of one update.", gt=0.0, le=1.0)
     other_lanes: float = setting("Prior of another number of lanes of a road of one direction.", gt=0.0, le=1.0)

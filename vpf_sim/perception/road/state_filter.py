@@ -21,6 +21,13 @@ class Sightings:
     variance_m2: Floats  # (L, R)
     seen: Bools  # (L, R)
 
+    @property
+    def lines(self) -> "Sightings":
+        """Without those of verges."""
+        is_line = np.isfinite(self.numbers)
+        rows = self.right_m[is_line], self.variance_m2[is_line], self.seen[is_line]
+        return Sightings(self.numbers[is_line], self.forward_m, *rows)
+
     def joined(self, others: "Sightings") -> "Sightings":
         """With other lines in the same rows."""
         pairs = ((getattr(self, name), getattr(others, name)) for name in ("numbers", "right_m", "variance_m2", "seen"))
@@ -107,6 +114,8 @@ class LaneFilter:
 
         A mirror image far ahead, beside a single line, would lead the road astray.
         """
+        if not found.seen.any():
+            return False
         right, _ = seen_places(self.state, found.numbers, found.forward_m, self.camera)
         aside = np.where(found.seen, found.right_m - right, np.inf)
         config = self.config

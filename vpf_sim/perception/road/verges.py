@@ -17,7 +17,7 @@ class VergeMatcher(FeatureMatcher):
 
     def __init__(self, camera: Camera, road: RoadEdgeConfig, config: VergeConfig) -> None:
         self.config = config
-        self._reach = round(config.surface_m / config.column_m)
+        self._reach = 2 * round(0.5 * config.surface_m / config.column_m) + 1
         margin = 3 * self._reach + round(config.centroid_m / config.column_m)
         super().__init__(camera, road, road.verge_patch(config.column_m), margin, config.sigma_m)
 
@@ -31,7 +31,7 @@ class VergeMatcher(FeatureMatcher):
         return RidgeMap(self.view, response, threshold, visible, self.config.centroid_m)
 
     def find(self, tracked: LaneFilter, steps: RidgeMap) -> None:
-        """Add the verges that are not known yet, and are clear beside a lane's width about the pose."""
+        """Add the verges that are not known yet, and are clear beside the pose."""
         missing = [number for number in VERGE if number not in tracked.verges]
         if not missing:
             return
@@ -56,17 +56,16 @@ class VergeMatcher(FeatureMatcher):
         return [number for number, share in tracked.verges.items() if share > self.config.clear_share]
 
     def judge(self, tracked: LaneFilter, steps: RidgeMap) -> None:
-        """Average the visible shares of the known verges, and drop those that have gone."""
+        """Average the visible shares of the known verges, and drop those that have gone or are hidden."""
         if not tracked.verges:
             return
         config, view, numbers = self.config, self.view, tracked.verge_numbers
         expected_m, reached = seen_places(tracked.state, numbers, view.forward_m, self.camera)
         _, shown, length_m = self._shown(expected_m, reached, steps)
         _, seen = sight(steps, expected_m, shown, config.on_verge_m)
-        shares = (seen @ view.length_m) / np.maximum(length_m, 1e-9)
-        for number, known, share in zip(numbers.tolist(), length_m >= config.least_length_m, shares, strict=True):
-            if known:
-                tracked.verges[number] += config.new_share * (float(share) - tracked.verges[number])
+        shares = (seen @ view.length_m) / np.maximum(length_m, config.least_length_m)
+        for number, share in zip(numbers.tolist(), shares.tolist(), strict=True):
+            tracked.verges[number] += config.new_share * (share - tracked.verges[number])
             if tracked.verges[number] < config.lost_share:
                 tracked.drop_verge(number)
 
@@ -80,12 +79,13 @@ class VergeMatcher(FeatureMatcher):
 def step(patch: Image, reach: int) -> Image:
     """(rows, columns) levels by which the colours left and right of each place differ.
 
-    Means of `reach` columns beside it, and of those beyond: the smaller difference counts, so a painted line is no
-    step.
+    Means of `reach` columns, an odd number, beside it, and of those beyond: the smaller difference counts. What is
+    narrow and bright, such as a painted line, is taken out before.
     """
-    mean = cv2.blur(patch, (reach, 1))
+    unpainted = cv2.morphologyEx(patch, cv2.MORPH_OPEN, np.ones((1, reach), np.uint8))
+    mean = cv2.blur(unpainted, (reach, 1))
     result = np.full(patch.shape[:2], 255, np.uint8)
-    for apart in (reach, 4 * reach):
+    for apart in (reach + 1, 4 * reach):
         difference = np.zeros(patch.shape[:2], np.uint8)
         first = apart // 2
         levels = cv2.absdiff(mean[:, :-apart], mean[:, apart:]).max(axis=2)
