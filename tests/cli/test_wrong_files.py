@@ -136,6 +136,8 @@ SETTINGS = [
     ("flow = 3", "flow: expected a table, got 3"),
     ('gains = "motio"', "gains: unknown gains 'motio': did you mean 'motion'?"),
     ('static_obstacles = "none"', "[scene] needs [static_obstacles]"),
+    ("[verges]\nbeside_m = 12.0", "verges.beside_m: expected less than 11.75, by the patch's width, got 12"),
+    ("[verges]\nsurface_m = 4.0", "verges.surface_m: expected less than 2.35, by the patch's width, got 4"),
 ]
 DRIVES = [
     ("rate_hz = 1e9", "rate_hz: expected 0.2 to 1000, got 1e+09"),

@@ -21,7 +21,7 @@ def followed(scenario: str, weather: str, seed: int, frames: int) -> Iterator[tu
         observed, _ = env.reset(seed=seed)
         setup = setup_for(pilot, env, seed)
         pilot.reset(setup)
-        tracker = RoadEdgeTracker(setup.camera, ROBUST.road_edges, setup.rate_hz)
+        tracker = RoadEdgeTracker(setup.camera, ROBUST.road_edges, setup.rate_hz, ROBUST.verges)
         for _ in range(frames):
             now = read(observed)
             yield tracker.update(now.image, grey(now.image), now.pose, now.speed_mps, now.yaw_rate_radps, None), env

@@ -73,6 +73,12 @@ class Variant:
                 raise ValueError(f"[{key}] needs [static_obstacles]")
         if self.scene is not None and self.visibility is None:
             raise ValueError("[scene] needs [visibility]")
+        if self.verges is not None:
+            half_m = self.road_edges.half_width_m + self.road_edges.verge_m
+            for key, below_m in ("beside_m", half_m), ("surface_m", 0.2 * half_m):
+                if getattr(self.verges, key) >= below_m:
+                    got = getattr(self.verges, key)
+                    raise ValueError(f"verges.{key}: expected less than {below_m:g}, by the patch's width, got {got:g}")
 
 
 SECTIONS = [key for key, hint in keys(Variant).items() if sections(hint)]
