@@ -33,43 +33,26 @@ def safe_speed(sight_m: float) -> float:
     return stopping_speed(sight_m - BUMPER_M - CONFIG.standoff_m, CONFIG.brake_mps2, CONFIG.reaction_s)
 
 
-def slowed(speed_mps: float, now_m: float, good_m: float, wanted_mps: float = 5.55) -> float:
-    sight_m = LowObstacleRange(now_m, good_m)
-    return min(speed_mps, speed_within_clear_distance(sight_m, CONFIG, driver_setup(wanted_mps)))
-
-
-@pytest.mark.parametrize("wanted_mps", [3.0, 5.55, 15.0])
-def test_a_car_that_sees_all_that_can_be_seen_goes_as_fast_as_asked(wanted_mps: float) -> None:
-    assert slowed(wanted_mps, 10.0, 10.0, wanted_mps) == wanted_mps
-
-
-@pytest.mark.parametrize("wanted_mps", [4.5, 5.55])
-def test_a_car_that_sees_less_goes_as_fast_as_the_stop_allows(wanted_mps: float) -> None:
-    assert slowed(wanted_mps, 7.0, 10.0, wanted_mps) == pytest.approx(safe_speed(7.0))
-
-
-def test_to_see_farther_than_a_stop_takes_is_no_reason_to_be_slowed_when_that_ends() -> None:
-    assert slowed(4.5, 8.0, 10.0, 4.5) == 4.5
-
-
-def test_where_a_good_view_is_not_enough_either_both_are_compared() -> None:
-    share = safe_speed(8.0) / safe_speed(10.0)
-    assert slowed(6.5, 8.0, 10.0, 6.5) == pytest.approx(share * 6.5)
-
-
-def test_a_car_that_asks_for_more_than_a_good_view_allows_is_not_slowed_by_a_bad_one() -> None:
-    assert slowed(15.0, 7.0, 10.0, wanted_mps=15.0) == 15.0
-
-
-def test_the_reference_is_slowed_only() -> None:
-    assert slowed(5.55, 0.0, 10.0) == CONFIG.cautious_mps
-    assert slowed(0.0, 0.0, 10.0) == 0.0
-    assert slowed(3.0, 0.0, 10.0, wanted_mps=3.0) == CONFIG.cautious_mps
-
-
-@pytest.mark.parametrize("good_m", [0.0, np.inf])
-def test_what_cannot_be_seen_at_that_speed_or_is_not_judged_slows_no_car(good_m: float) -> None:
-    assert slowed(15.0, good_m, good_m, wanted_mps=15.0) == 15.0
+@pytest.mark.parametrize(
+    ("wanted_mps", "now_m", "good_m", "expected_mps"),
+    [
+        pytest.param(3.0, 10.0, 10.0, 3.0, id="a good view, slow"),
+        pytest.param(15.0, 10.0, 10.0, 15.0, id="a good view, fast"),
+        pytest.param(4.5, 7.0, 10.0, safe_speed(7.0), id="as fast as the stop allows"),
+        pytest.param(5.55, 7.0, 10.0, safe_speed(7.0), id="as fast as the stop allows, faster asked"),
+        pytest.param(4.5, 8.0, 10.0, 4.5, id="farther than a stop takes"),
+        pytest.param(6.5, 8.0, 10.0, safe_speed(8.0) / safe_speed(10.0) * 6.5, id="a good view is not enough either"),
+        pytest.param(15.0, 7.0, 10.0, 15.0, id="more than a good view allows"),
+        pytest.param(5.55, 0.0, 10.0, CONFIG.cautious_mps, id="cautious where nothing is seen"),
+        pytest.param(15.0, 0.0, 0.0, 15.0, id="not to be seen at that speed"),
+        pytest.param(15.0, np.inf, np.inf, 15.0, id="not judged"),
+    ],
+)
+def test_the_reference_is_slowed_by_what_is_seen_less_than_in_a_good_view(
+    wanted_mps: float, now_m: float, good_m: float, expected_mps: float
+) -> None:
+    limit_mps = speed_within_clear_distance(LowObstacleRange(now_m, good_m), CONFIG, driver_setup(wanted_mps))
+    assert min(wanted_mps, limit_mps) == pytest.approx(expected_mps)
 
 
 def test_without_a_road_the_car_goes_slowly_and_stops_after_some_way() -> None:
