@@ -1,10 +1,13 @@
 """Scenes made by hand: a road of constant curvature with three lanes of 3.5 m, and objects on it."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
+from vpf_sim.planning.spacetime import settings
 from vpf_sim.planning.spacetime.motion import Motion
+from vpf_sim.planning.spacetime.planner import SpacetimePlanner
 from vpf_sim.scene import EgoState, Road, Scene, Tracks
 from vpf_sim.types import VehicleModel
 
@@ -57,3 +60,14 @@ def followed(now: Scene, motion: Motion, time_s: float) -> Scene:
     s_m, d_m = rear_m + arm_m * np.cos(yaw_rad), motion.path_at(rear_m)[0] + arm_m * np.sin(yaw_rad)
     ego = scene(now.road, now.tracks, s_m, d_m, motion.speed_at(time_s)).ego._replace(yaw_rad=yaw_rad)
     return replace(now, time_s=time_s, ego=ego)
+
+
+def planner() -> SpacetimePlanner:
+    return SpacetimePlanner(settings.load(), VehicleModel())
+
+
+def driven(now: Scene, plans: SpacetimePlanner, steps: int) -> Iterator[Scene]:
+    """The scene after each tenth of a second in which the car follows the plan of that moment."""
+    for _ in range(steps):
+        now = followed(now, plans.plan(now), now.time_s + 0.1)
+        yield now

@@ -5,13 +5,11 @@ from math import asin, cos, sin
 import numpy as np
 import pytest
 from bicycle import Bicycle
-from made_scene import LANE_M, road, scene, tracks
+from made_scene import LANE_M, planner, road, scene, tracks
 
 from vpf_sim.controllers.gtsmc import Gtsmc, load_gains
-from vpf_sim.planning.spacetime import settings
 from vpf_sim.planning.spacetime.motion import Motion
 from vpf_sim.planning.spacetime.motions import motions
-from vpf_sim.planning.spacetime.planner import SpacetimePlanner
 from vpf_sim.planning.spacetime.tracking import reference
 from vpf_sim.scene import Road
 from vpf_sim.types import VehicleModel
@@ -43,8 +41,7 @@ def rear_place(on: Road, car: Bicycle) -> tuple[float, float]:
 
 
 def planned(on: Road, objects: tuple[tuple[float, ...], ...], speed_mps: float, reference_mps: float) -> Motion:
-    made = scene(on, tracks(on, *objects), 0.0, 0.0, speed_mps, reference_mps)
-    return SpacetimePlanner(settings.load(), VEHICLE).plan(made)
+    return planner().plan(scene(on, tracks(on, *objects), 0.0, 0.0, speed_mps, reference_mps))
 
 
 @pytest.mark.parametrize("speed_mps", [3.0, 5.5, 12.0, 25.0])

@@ -4,12 +4,10 @@ from math import cos, inf, pi, sqrt, tan
 
 import numpy as np
 import pytest
-from made_scene import LANE_M, followed, road, scene, tracks
+from made_scene import LANE_M, driven, planner, road, scene, tracks
 
-from vpf_sim.planning.spacetime import settings
 from vpf_sim.planning.spacetime.candidates import Paths, PathState, Profiles
 from vpf_sim.planning.spacetime.motions import AHEAD_M, motions
-from vpf_sim.planning.spacetime.planner import SpacetimePlanner
 from vpf_sim.planning.spacetime.way import EVERY_M, way_m
 from vpf_sim.types import VehicleModel
 
@@ -79,22 +77,17 @@ def test_what_begins_beside_the_car_ends_the_way_where_they_meet() -> None:
 @pytest.mark.parametrize("speed_mps", [1.0, 5.5])
 def test_before_a_wall_across_the_road_the_car_stops_straight(d_m: float, speed_mps: float) -> None:
     """It does not drive along the wall, past whose end no car fits, in search of a gap, and does not creep for long."""
-    on, planner = road(), SpacetimePlanner(settings.load(), CAR)
-    seen = tracks(on, (WALL_M, d_m, 0.0, 0.0, 0.5, 9.0))
-    now, turned_rad, creeps_s = scene(on, seen, speed_mps=speed_mps), 0.0, 0.0
-    for _ in range(150):
-        now = followed(now, planner.plan(now), now.time_s + 0.1)
-        turned_rad, creeps_s = max(turned_rad, abs(now.ego.yaw_rad)), creeps_s + 0.1 * (0.05 < now.ego.speed_mps < 0.4)
-    assert now.ego.speed_mps < 0.05
-    assert turned_rad < 0.1
-    assert creeps_s < 4.0
-    assert 2.7 < WALL_M - 0.25 - 0.5 * CAR.length_m - now.ego.s_m < 3.5
+    on = road()
+    begin = scene(on, tracks(on, (WALL_M, d_m, 0.0, 0.0, 0.5, 9.0)), speed_mps=speed_mps)
+    egos = [now.ego for now in driven(begin, planner(), 150)]
+    assert egos[-1].speed_mps < 0.05
+    assert max(abs(ego.yaw_rad) for ego in egos) < 0.1
+    assert 0.1 * sum(0.05 < ego.speed_mps < 0.4 for ego in egos) < 4.0
+    assert 2.7 < WALL_M - 0.25 - 0.5 * CAR.length_m - egos[-1].s_m < 3.5
 
 
 def test_a_car_without_reference_speed_stands() -> None:
     """A blind car's reference is 0: it rolls no farther, however slow it is."""
-    on, planner = road(), SpacetimePlanner(settings.load(), CAR)
-    now = scene(on, tracks(on), speed_mps=0.39, reference_mps=0.0)
-    for _ in range(20):
-        now = followed(now, planner.plan(now), now.time_s + 0.1)
-    assert now.ego.speed_mps < 0.01
+    on = road()
+    *_, last = driven(scene(on, tracks(on), speed_mps=0.39, reference_mps=0.0), planner(), 20)
+    assert last.ego.speed_mps < 0.01
