@@ -6,11 +6,11 @@ from typing import Any
 import driver_settings
 import numpy as np
 import pytest
+from made_obstacles import obstacles
 from made_scene import road
 
 from vpf_sim.driver_interface import Observation
 from vpf_sim.perception.obstacles.crossing import Crossers
-from vpf_sim.perception.obstacles.prediction import none
 from vpf_sim.scene.camera import CameraScene, road_of
 from vpf_sim.scene.evidence import Evidence
 from vpf_sim.types import Camera, Obstacles, RoadEdges, VehicleModel
@@ -26,8 +26,17 @@ def edges_at(d_m: float, turned_rad: float, curvature_per_m: float, oncoming_m: 
     return RoadEdges(left, right, -turned_rad, here, 0.02, 1.0, -d_m, LANE_M, 1.0, oncoming_m)
 
 
-def seen(edges: RoadEdges, obstacles: Obstacles | None = None) -> Any:
-    return SimpleNamespace(road=edges, obstacles=none() if obstacles is None else obstacles)
+def seen(edges: RoadEdges, told: Obstacles | None = None) -> Any:
+    return SimpleNamespace(road=edges, obstacles=told or obstacles())
+
+
+AHEAD = edges_at(0.0, 0.0, 0.0)
+
+
+def crosser(forward_m: float, right_m: float) -> Crossers:
+    """A pedestrian, so far ahead of the camera, who walks to the left at 1.5 m/s."""
+    values = forward_m, right_m - 0.3, right_m + 0.3, -1.5, 0.0, 0.3, 0.3
+    return Crossers(*(np.array([value]) for value in values))
 
 
 def camera_scene() -> CameraScene:
@@ -85,12 +94,10 @@ def test_an_obstacle_keeps_its_place_in_the_world() -> None:
     faces = np.array([[20.0, 0.5], [12.0, -3.0]]) - [0.0, d_m]  # along the road, right of the car
     forward = np.cos(turned) * faces[:, 0] + np.sin(turned) * faces[:, 1]
     aside = np.cos(turned) * faces[:, 1] - np.sin(turned) * faces[:, 0]
-    some = np.full(2, 0.2)
-    obstacles = Obstacles(
-        forward, aside - 0.9, aside + 0.9, some, some, np.array([3, -1]), speed_mps=np.array([0.0, 4.0])
-    )
+    places_m = np.stack([forward, aside - 0.9, aside + 0.9], axis=1).tolist()
+    told = obstacles(*places_m, identity=(3, -1), speed_mps=(0.0, 4.0))
     here = observed(0.0, d_m, turned)
-    scene.observe(seen(edges_at(d_m, turned, 0.0), obstacles), here)
+    scene.observe(seen(edges_at(d_m, turned, 0.0), told), here)
     made = scene.scene(here, 5.0)
     tracks = made.tracks
     np.testing.assert_allclose(tracks.s_m - 0.5 * tracks.length_m, [20.0, 12.0], atol=1e-6)
@@ -104,11 +111,11 @@ def test_an_obstacle_keeps_its_place_in_the_world() -> None:
 @pytest.mark.parametrize(("relief", "reported"), [(-0.9, 0), (0.0, 1), (0.8, 1), (np.nan, 1)])
 def test_what_lies_in_the_plane_of_the_road_is_no_obstacle(relief: float, reported: int) -> None:
     """Perception reports something 12 m ahead; planar parallax judges it."""
-    scene, one = camera_scene(), np.ones(1)
+    scene = camera_scene()
     for index in range(8):
         here = observed(0.25 * index, 0.0, 0.0, index / 20.0)
-        low = Obstacles((12.0 - 0.25 * index) * one, -0.4 * one, 0.4 * one, 0.2 * one, one, np.array([5]))
-        scene.observe(seen(edges_at(0.0, 0.0, 0.0), low), here, Evidence(relief=relief * one))
+        low = obstacles((12.0 - 0.25 * index, -0.4, 0.4))
+        scene.observe(seen(AHEAD, low), here, Evidence(relief=np.array([relief])))
     assert len(scene.scene(here, 5.0).tracks) == reported
     assert len(scene.obstacles(here)) == reported
 
@@ -116,20 +123,18 @@ def test_what_lies_in_the_plane_of_the_road_is_no_obstacle(relief: float, report
 @pytest.mark.parametrize(("d_m", "left"), [(0.4, 0), (1.3, 1)])
 def test_what_the_car_drives_over_was_none(d_m: float, left: int) -> None:
     """Something is reported 12 m ahead, in the way or beside it, until the car has driven on."""
-    scene, one = camera_scene(), np.ones(1)
-    for driven_m in np.arange(0.0, 12.0, 0.25):
+    scene = camera_scene()
+    for driven_m in np.arange(0.0, 12.0, 0.25).tolist():
         here = observed(driven_m, 0.0, 0.0, driven_m / 5.0)
-        ahead = Obstacles((12.0 - driven_m) * one, (d_m - 0.3) * one, (d_m + 0.3) * one, 0.1 * one, one, np.array([5]))
-        scene.observe(seen(edges_at(0.0, 0.0, 0.0), ahead), here)
+        scene.observe(seen(AHEAD, obstacles((12.0 - driven_m, d_m - 0.3, d_m + 0.3), sigma_m=0.1)), here)
         if driven_m == 9.5:  # the car's front is 0.25 m before it
             assert len(scene.obstacles(here)) == 1
     assert len(scene.obstacles(here)) == left
 
 
 def test_the_reported_obstacles_are_where_their_tracks_are_by_now() -> None:
-    scene, one = camera_scene(), np.ones(1)
-    lead = Obstacles(15.0 * one, -0.9 * one, 0.9 * one, 0.2 * one, one, np.array([-1]), 4.0 * one)
-    scene.observe(seen(edges_at(0.0, 0.0, 0.0), lead), observed(0.0, 0.0, 0.0))
+    scene, lead = camera_scene(), obstacles((15.0, -0.9, 0.9), identity=[-1], speed_mps=[4.0])
+    scene.observe(seen(AHEAD, lead), observed(0.0, 0.0, 0.0))
     later = scene.obstacles(observed(0.25, 0.5, 0.0, 0.05))
     assert later.forward_m[0] == pytest.approx(15.0 + 0.2 - 0.25)
     assert (later.left_m[0], later.right_m[0]) == pytest.approx((-1.4, 0.4))
@@ -141,33 +146,27 @@ def test_the_reported_obstacles_are_where_their_tracks_are_by_now() -> None:
     ("forward_m", "speed_mps", "closes"), [(15.0, 4.0, True), (15.0, 6.0, False), (-1.0, 4.0, False)]
 )
 def test_only_what_comes_nearer_ahead_has_a_time_to_contact(forward_m: float, speed_mps: float, closes: bool) -> None:
-    scene, one, here = camera_scene(), np.ones(1), observed(0.0, 0.0, 0.0)
-    other = Obstacles(forward_m * one, 2.6 * one, 4.4 * one, 0.2 * one, one, np.array([-1]), speed_mps * one)
-    scene.observe(seen(edges_at(0.0, 0.0, 0.0), other), here)
+    scene, here = camera_scene(), observed(0.0, 0.0, 0.0)
+    scene.observe(seen(AHEAD, obstacles((forward_m, 2.6, 4.4), identity=[-1], speed_mps=[speed_mps])), here)
     (ttc_s,) = scene.obstacles(here).ttc_s
     assert np.isfinite(ttc_s) == closes
 
 
 def test_a_car_that_stands_finds_no_new_evidence_of_what_stands() -> None:
     """An obstacle that appears 6 m ahead, where no points judge it."""
-    scene, one = camera_scene(), np.ones(1)
-    face = Obstacles(6.0 * one, -0.9 * one, 0.9 * one, 0.2 * one, one, np.array([5]))
+    scene = camera_scene()
     for index in range(200):
-        scene.observe(seen(edges_at(0.0, 0.0, 0.0), face), observed(0.0, 0.0, 0.0, index / 20.0))
+        scene.observe(seen(AHEAD, obstacles((6.0, -0.9, 0.9))), observed(0.0, 0.0, 0.0, index / 20.0))
     assert not len(scene.scene(observed(0.0, 0.0, 0.0, 10.0), 5.0).tracks)
 
 
 @pytest.mark.parametrize(("aside_m", "left"), [(0.0, 0), (4.0, 1)])
 def test_what_stands_where_an_actor_crosses_is_the_actor(aside_m: float, left: int) -> None:
     """Perception keeps an obstacle 8.5 m ahead, or 4 m beside, where it saw the actor's points; then he has gone."""
-    scene, one = camera_scene(), np.ones(1)
-    face = Obstacles(8.5 * one, aside_m - 0.4 * one, aside_m + 0.4 * one, 0.2 * one, one, np.array([5]))
+    scene, face = camera_scene(), obstacles((8.5, aside_m - 0.4, aside_m + 0.4))
     for index in range(60):
-        here, right = observed(0.0, 0.0, 0.0, index / 20.0), 1.0 - 1.5 * index / 20.0
-        actor = Crossers(
-            8.0 * one, (right - 0.3) * one, (right + 0.3) * one, -1.5 * one, 0.0 * one, 0.3 * one, 0.3 * one
-        )
-        scene.observe(seen(edges_at(0.0, 0.0, 0.0), face), here, Evidence(actor if index < 20 else None))
+        here, actor = observed(0.0, 0.0, 0.0, index / 20.0), crosser(8.0, 1.0 - 1.5 * index / 20.0)
+        scene.observe(seen(AHEAD, face), here, Evidence(actor if index < 20 else None))
         if index == 15:
             assert 1.3 < scene.scene(here, 5.0).tracks.speed_mps.max() < 1.7, "and the actor stays"
     assert np.count_nonzero(scene.obstacles(here).speed_mps == 0.0) == left
@@ -178,12 +177,7 @@ def test_who_crosses_is_a_track_that_heads_across_after_some_frames() -> None:
     for index in range(frames):
         time_s = index / 20.0
         here = observed(5.0 * time_s, 0.0, 0.0, time_s)
-        depth, right = np.array([15.0 - 5.0 * time_s]), 2.0 - 1.5 * time_s
-        some = np.array([0.3])
-        actor = Crossers(
-            depth, right - 0.3 + 0.0 * some, right + 0.3 + 0.0 * some, -1.5 + 0.0 * some, 0.0 * some, some, some
-        )
-        scene.observe(seen(edges_at(0.0, 0.0, 0.0)), here, Evidence(actor))
+        scene.observe(seen(AHEAD), here, Evidence(crosser(15.0 - 5.0 * time_s, 2.0 - 1.5 * time_s)))
         if index == 0:
             assert not len(scene.scene(here, 5.0).tracks), "one frame is not enough"
     tracks = scene.scene(here, 5.0).tracks
