@@ -1,5 +1,6 @@
 """The tracker on generated detections: each track is made with noise about a known motion."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import driver_settings
@@ -40,6 +41,15 @@ def detected(states: list[np.ndarray], random: np.random.Generator) -> Detection
     noisy = np.array(states) + SIGMAS * random.standard_normal((count, 4))
     same = np.ones(count)
     return Detections(noisy, np.tile(np.diag(SIGMAS**2), (count, 1, 1)), 4.5 * same, 1.8 * same, GAIN * same, same)
+
+
+def stands(s_m: float, seed: int = 1, gain: float = GAIN) -> Iterator[Detections]:
+    """Detections, each with noise of its own place, of something that is known not to move."""
+    random = np.random.Generator(np.random.PCG64(seed))
+    while True:
+        seen = detected([Motion(s_m).at(0.0)], random)
+        seen.state[:, 2:], seen.gain[:] = 0.0, gain
+        yield seen
 
 
 def track(
@@ -114,14 +124,12 @@ def test_who_leaves_the_picture_is_expected_where_it_drove_on() -> None:
 @pytest.mark.parametrize("paint_m", [32.0, 42.0])
 def test_paint_is_not_a_vehicle_that_is_out_of_sight(paint_m: float) -> None:
     """However little is known of the vehicle's place by then, some 45 m, a doubtful obstacle does not become it."""
-    random, tracker = np.random.Generator(np.random.PCG64(5)), track(Motion(20.0, along_mps=3.5))
+    tracker = track(Motion(20.0, along_mps=3.5))
     for _ in range(round(4.0 * RATE_HZ)):
         tracker.predict(1.0 / RATE_HZ)
         tracker.update(no_detections(), 0.2, np.zeros(len(tracker.table)), 0.0)
-    doubtful = detected([Motion(paint_m).at(0.0)], random)
-    doubtful.gain[:] = -0.5
     expected = tracker.table.state.copy()
-    tracker.update(doubtful, 0.2, np.zeros(len(tracker.table)), 0.0)
+    tracker.update(next(stands(paint_m, gain=-0.5)), 0.2, np.zeros(len(tracker.table)), 0.0)
     assert tracker.table.state[tracker.reported] == pytest.approx(expected)
 
 
@@ -139,10 +147,7 @@ def test_existence_falls_without_detections_until_the_track_is_pruned() -> None:
 def test_detections_that_speak_against_a_track_end_it() -> None:
     """As of an obstacle that turns out to be paint."""
     tracker = track(Motion(12.0), seconds=1.0)
-    random = np.random.Generator(np.random.PCG64(1))
-    for _ in range(60):
-        against = detected([Motion(12.0).at(0.0)], random)
-        against.gain[:] = -0.75
+    for _, against in zip(range(60), stands(12.0, gain=-0.75), strict=False):
         tracker.update(against, 0.5, np.full(len(tracker.table), 1.0 / RATE_HZ), 0.0)
     assert not len(tracker.reported)
 
@@ -185,32 +190,27 @@ def test_a_lead_car_that_drives_on_moves_but_a_wrong_distance_does_not(
 
 def test_what_stands_is_never_so_sure_that_new_evidence_does_not_count() -> None:
     """It was reported for 2 s; then four looks speak against it."""
-    random, tracker = np.random.Generator(np.random.PCG64(1)), SceneTracker(CONFIG)
-    for gain in [4.0] * 40 + [-0.9] * 4:
-        seen = detected([Motion(12.0).at(0.0)], random)
-        seen.state[:, 2:] = 0.0
+    tracker = SceneTracker(CONFIG)
+    for gain, seen in zip([4.0] * 40 + [-0.9] * 4, stands(12.0), strict=False):
         seen.gain[:] = gain
         tracker.update(seen, 1.0, np.full(len(tracker.table), 1.0 / RATE_HZ), 0.0)
-        if gain > 0.0:
-            assert len(tracker.reported)
+        assert gain < 0.0 or len(tracker.reported)
     assert not len(tracker.reported)
 
 
 def test_what_stands_keeps_its_length_when_a_part_of_it_is_left_in_view() -> None:
-    random, tracker = np.random.Generator(np.random.PCG64(3)), SceneTracker(CONFIG)
-    for length_m in (9.0, 9.0, 1.0):
-        seen = detected([Motion(12.0).at(0.0)], random)
-        seen.state[:], seen.length_m[:] = Motion(12.0).at(0.0), length_m
+    tracker = SceneTracker(CONFIG)
+    for length_m, seen in zip((9.0, 9.0, 1.0), stands(12.0), strict=False):
+        seen.length_m[:] = length_m
         tracker.update(seen, 1.0, np.full(len(tracker.table), 1.0 / RATE_HZ), 0.0)
     assert tracker.table.length_m.tolist() == [9.0]
 
 
 def test_what_is_passed_keeps_its_size() -> None:
     """A car at 12 m: its place is still reported while the vehicle passes it, and is then no longer seen."""
-    random, tracker = np.random.Generator(np.random.PCG64(3)), SceneTracker(CONFIG)
-    for ego_m, length_m, width_m in ((0.0, 5.5, 2.0), (5.0, 5.5, 2.1), (10.0, 9.0, 2.4), (14.0, 9.0, 2.6)):
-        seen = detected([Motion(12.0).at(0.0)], random)
-        seen.state[:], seen.length_m[:], seen.width_m[:] = Motion(12.0).at(0.0), length_m, width_m
+    tracker, looks = SceneTracker(CONFIG), ((0.0, 5.5, 2.0), (5.0, 5.5, 2.1), (10.0, 9.0, 2.4), (14.0, 9.0, 2.6))
+    for (ego_m, length_m, width_m), seen in zip(looks, stands(12.0), strict=False):
+        seen.length_m[:], seen.width_m[:] = length_m, width_m
         tracker.update(seen, 1.0, np.zeros(len(tracker.table)), ego_m)
     assert tracker.table.length_m.tolist() == [5.5]
     assert tracker.table.width_m.tolist() == [2.1]
@@ -225,23 +225,20 @@ def test_traffic_is_what_drives_along_the_road_in_our_direction() -> None:
 
 def test_what_appears_near_is_believed_after_some_way_only() -> None:
     """Looks in half a metre of way each, of which each adds 0.6 at most."""
-    random, tracker, looks = np.random.Generator(np.random.PCG64(1)), SceneTracker(CONFIG), 0
+    tracker, seen, looks = SceneTracker(CONFIG), stands(6.0, gain=0.6), 0
     while not len(tracker.reported):
-        seen = detected([Motion(6.0).at(0.0)], random)
-        seen.state[:, 2:], seen.gain[:] = 0.0, 0.6
-        tracker.update(seen, 1.0, np.full(len(tracker.table), 1.0 / RATE_HZ), 0.0)
+        tracker.update(next(seen), 1.0, np.full(len(tracker.table), 1.0 / RATE_HZ), 0.0)
         looks += 1
     assert 3 <= looks <= 6
 
 
 def test_repeated_observations_count_by_the_way_that_makes_them_new() -> None:
     """A car that stands looks at the same picture again and again."""
-    random, tracker = np.random.Generator(np.random.PCG64(1)), SceneTracker(CONFIG)
-    still = [Motion(12.0).at(0.0)]
-    tracker.update(detected(still, random), 1.0, np.empty(0), 0.0)
+    tracker, looks = SceneTracker(CONFIG), stands(12.0)
+    tracker.update(next(looks), 1.0, np.empty(0), 0.0)
     first = float(tracker.table.gain[0])
     for _ in range(10):
-        tracker.update(detected(still, random), 0.0, np.zeros(1), 0.0)
+        tracker.update(next(looks), 0.0, np.zeros(1), 0.0)
     assert float(tracker.table.gain[0]) == first
 
 

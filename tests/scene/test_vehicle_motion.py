@@ -5,20 +5,35 @@ import pytest
 from made_flow import CAMERA, SPEED_MPS, body, flow, motions, road
 
 from vpf_sim.scene.vehicle_motion import Seen, seen_motion
+from vpf_sim.types import Floats
 
 WIDTH_M, EXPECTED_MPS = 1.8, np.array([5.0, 0.0])
+NOTHING: Floats = np.empty((0, 3))
+
+
+def seen_of(
+    face: Floats,
+    velocity_mps: tuple[float, float],
+    beyond: Floats,
+    believed_m: float,
+    width_m: float = WIDTH_M,
+    expected_mps: Floats = EXPECTED_MPS,
+) -> Seen | None:
+    """Of the points of a face on a road, and of the static scene far behind it in its outline."""
+    places = np.concatenate([face, road(), beyond])
+    moves = np.zeros((len(places), 2))
+    moves[: len(face)] = velocity_mps
+    return seen_motion(believed_m, 0.4, width_m, 0.3, expected_mps, SPEED_MPS, motions(flow(places, moves)), CAMERA)
+
+
+def rear(forward_m: float) -> Floats:
+    return body(forward_m + 0.3, 0.4, WIDTH_M, 0.2, 1.4)
 
 
 def found(forward_m: float, velocity_mps: tuple[float, float], believed_m: float | None = None) -> Seen | None:
-    """Of a car's rear on a road, with points of the static scene far behind it in its outline."""
-    rear, ground = body(forward_m + 0.3, 0.4, WIDTH_M, 0.2, 1.4), road()
+    """Of a car's rear, with points far behind it."""
     beyond = body(3.0 * forward_m, 1.2, 3.0 * WIDTH_M, 0.0, 1.4, 10)
-    places = np.concatenate([rear, ground, beyond])
-    moves = np.zeros((len(places), 2))
-    moves[: len(rear)] = velocity_mps
-    expected = EXPECTED_MPS
-    shown, place = motions(flow(places, moves)), (believed_m or forward_m, 0.4, WIDTH_M, 0.3)
-    return seen_motion(*place, expected, SPEED_MPS, shown, CAMERA)
+    return seen_of(rear(forward_m), velocity_mps, beyond, believed_m or forward_m)
 
 
 @pytest.mark.parametrize("forward_m", [6.0, 9.0, 12.0])
@@ -43,23 +58,15 @@ def test_a_standing_car_that_seems_to_come_is_nearer() -> None:
 @pytest.mark.parametrize("forward_m", [6.0, 9.0])
 def test_what_stands_far_behind_a_pallet_does_not_make_it_drive_off(forward_m: float) -> None:
     pallet, beyond = body(forward_m + 0.3, 0.4, 0.8, 0.15, 0.2, 4), body(4.0 * forward_m, 1.6, 3.2, 0.3, 1.9, 40)
-    places = np.concatenate([pallet, road(), beyond])
-    shown = motions(flow(places, np.zeros((len(places), 2))))
-    result = seen_motion(forward_m, 0.4, 0.8, 0.3, np.zeros(2), SPEED_MPS, shown, CAMERA)
+    result = seen_of(pallet, (0.0, 0.0), beyond, forward_m, 0.8, np.zeros(2))
     assert result is None or (np.abs(result.velocity_mps) < 3.0 * result.sigma_mps).all()
 
 
 def test_a_car_that_stood_has_its_speed_when_it_drives_off() -> None:
-    rear, ground = body(8.3, 0.4, WIDTH_M, 0.2, 1.4), road()
-    places, moves = np.concatenate([rear, ground]), np.zeros((len(rear) + len(ground), 2))
-    moves[: len(rear)] = (3.0, 0.0)
-    shown = motions(flow(places, moves))
-    result = seen_motion(8.0, 0.4, WIDTH_M, 0.3, np.zeros(2), SPEED_MPS, shown, CAMERA)
+    result = seen_of(rear(8.0), (3.0, 0.0), NOTHING, 8.0, expected_mps=np.zeros(2))
     assert result is not None
     np.testing.assert_array_less(np.abs(result.velocity_mps - (3.0, 0.0)), 2.0 * result.sigma_mps)
 
 
 def test_a_place_without_points_of_its_own_tells_nothing() -> None:
-    ground = road()
-    empty = motions(flow(ground, np.zeros((len(ground), 2))))
-    assert seen_motion(12.0, 0.0, WIDTH_M, 0.3, EXPECTED_MPS, SPEED_MPS, empty, CAMERA) is None
+    assert seen_of(NOTHING, (0.0, 0.0), NOTHING, 12.0) is None
