@@ -1,6 +1,9 @@
 """The flow of a street in closed form: a car drives straight past walls, some points are fixed to the camera."""
 
+from dataclasses import replace
+
 import numpy as np
+from flow_between import flow_between
 
 from vpf_sim.perception.egomotion.ground_plane import past_image
 from vpf_sim.seeding import stream
@@ -23,21 +26,8 @@ def flow_of(points_px: Floats, past_px: Floats, moved_m: float, on_glass: Bools 
 
     `on_glass` (N,) are those that the tracker has recognised as fixed to the camera.
     """
-    count = len(points_px)
-    past = np.tile([-moved_m, 0.0, 0.0], (count, 1))
-    return Flow(
-        points_px=points_px,
-        displacement_px=points_px - past_px,
-        gap_s=np.full(count, GAP_S),
-        past_pose=past,
-        pose=np.zeros(3),
-        identity=np.arange(count),
-        first_px=past_px,
-        first_pose=past,
-        age_frames=np.full(count, 3),
-        structure=np.tile(np.eye(2), (count, 1, 1)),
-        on_glass=np.zeros(count, np.bool_) if on_glass is None else on_glass,
-    )
+    flow = flow_between(points_px, past_px, [-moved_m, 0.0, 0.0], gap_s=GAP_S, age_frames=3)
+    return flow if on_glass is None else replace(flow, on_glass=on_glass)
 
 
 def driving(speed_mps: float, count: int, stuck_px: Floats, odometer_mps: float = 10.0) -> Flow:

@@ -2,6 +2,7 @@
 
 import numpy as np
 from driver_settings import ROBUST, static_obstacles
+from flow_between import flow_between
 
 from vpf_sim.geometry import project, vehicle_from_world
 from vpf_sim.perception.obstacles.point_motion import PointMotions, point_motions
@@ -10,7 +11,6 @@ from vpf_sim.types import Camera, Floats, Flow
 
 CAMERA = Camera()
 GAP_S, SPEED_MPS = 0.1, 5.5
-CORNER = 400.0 * np.eye(2)
 
 
 def body(forward_m: float, right_m: float, width_m: float, low_m: float, high_m: float, count: int = 30) -> Floats:
@@ -34,10 +34,7 @@ def flow(points_m: Floats, velocity_mps: Floats, yaw_rate_radps: float = 0.0, no
     past[:, :2] = vehicle_from_world(points_m[:, :2] - GAP_S * velocity_mps, before)
     random, count = stream(5, "noise"), len(points_m)
     now_px, past_px = (project(CAMERA, place) + random.normal(0.0, noise_px, (count, 2)) for place in (points_m, past))
-    return Flow(
-        now_px, now_px - past_px, np.full(count, GAP_S), np.tile(before, (count, 1)), np.zeros(3), np.arange(count),
-        past_px, np.tile(before, (count, 1)), np.full(count, 2), np.tile(CORNER, (count, 1, 1)),
-    )  # fmt: skip
+    return flow_between(now_px, past_px, before, gap_s=GAP_S, age_frames=2, structure=400.0)
 
 
 def motions(points: Flow) -> PointMotions:

@@ -5,6 +5,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from flow_between import flow_between
 from hypothesis import strategies as st
 
 from vpf_sim.driver_interface import DriverSetup, Observation
@@ -78,10 +79,7 @@ def bodies(draw: st.DrawFn) -> Obstacles:
 
 def flow(points: Floats, pose: Floats) -> Flow:
     """Points (N, 2) px that have stayed where they are for a tenth of a second."""
-    count = len(points)
-    poses, gap = np.tile(pose, (count, 1)), np.full(count, 0.1)
-    identity, structure = np.arange(count), np.tile(np.eye(2), (count, 1, 1))
-    return Flow(points, 0.0 * points, gap, poses, pose, identity, points, poses, identity, structure)
+    return replace(flow_between(points, points, pose, pose), age_frames=np.arange(len(points)))
 
 
 @st.composite

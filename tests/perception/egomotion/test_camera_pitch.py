@@ -6,6 +6,7 @@ from math import pi, radians, sin
 import numpy as np
 import pytest
 from driver_settings import ROBUST
+from flow_between import flow_between
 
 from vpf_sim.geometry import project, vehicle_from_world
 from vpf_sim.perception.egomotion.camera_pitch import PitchEstimator
@@ -16,7 +17,6 @@ CAMERA = Camera()
 assert ROBUST.camera_pitch is not None
 PITCH, DYNAMIC = ROBUST.camera_pitch, ROBUST.camera_pitch.dynamic
 RATE_HZ, SPEED_MPS, WINDOW, FRAMES = 60.0, 5.55, 6, 150
-STRUCTURE = np.eye(2) * 900.0
 
 
 def pitch(frame: int, size_deg: float) -> float:
@@ -56,19 +56,9 @@ class Scene:
         inside = [np.all((p >= 0.0) & (p <= [639.0, 479.0]), axis=1) for p in (self.pixels(frame, 0.0), *pixels)]
         chosen = np.flatnonzero(np.all(inside, axis=0))
         now, before, sighting = (p[chosen] for p in pixels)
-        count = len(chosen)
-        return Flow(
-            points_px=now,
-            displacement_px=now - before,
-            gap_s=np.full(count, (frame - past) / RATE_HZ),
-            past_pose=np.tile(self.pose(past), (count, 1)),
-            pose=self.pose(frame),
-            identity=chosen.astype(np.int64),
-            first_px=sighting,
-            first_pose=np.tile(self.pose(first), (count, 1)),
-            age_frames=np.full(count, frame - first),
-            structure=np.tile(STRUCTURE, (count, 1, 1)),
-        )
+        flow = flow_between(now, before, self.pose(past), self.pose(frame), (frame - past) / RATE_HZ, frame - first)
+        first_pose = np.tile(self.pose(first), (len(chosen), 1))
+        return replace(flow, identity=chosen.astype(np.int64), first_px=sighting, first_pose=first_pose)
 
     def foe(self, frame: int) -> Expansion:
         """The direction of motion in the picture, as it pitches."""

@@ -1,15 +1,18 @@
 """The focus of expansion: closed-form flows with a known one."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from driver_settings import ROBUST, expansion
+from flow_between import flow_between
 
-from vpf_sim.perception.egomotion.focus_of_expansion import as_printed, derotate, estimate, least_squares
+from vpf_sim.perception.egomotion.focus_of_expansion import as_printed, estimate, least_squares
 from vpf_sim.perception.egomotion.ground_plane import past_image
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Floats, Flow
 
-CAMERA = Camera()
+CAMERA, CONFIG = Camera(), ROBUST.focus_of_expansion
 FOE = np.array([330.0, 235.0])
 
 
@@ -32,18 +35,7 @@ def flow_on_circle(radius_m: float, noise_px: float, outlier_share: float = 0.0,
     before = past_image(CAMERA, scene, np.tile(past, (300, 1)), pose) + rng.normal(0.0, noise_px, (300, 2))
     wrong = rng.random(300) < outlier_share
     before[wrong] = now[wrong] + rng.uniform(-6.0, 6.0, (np.count_nonzero(wrong), 2))
-    return Flow(
-        points_px=now,
-        displacement_px=now - before,
-        gap_s=np.full(300, frames / 60.0),
-        past_pose=np.tile(past, (300, 1)),
-        pose=pose,
-        identity=np.arange(300),
-        first_px=before,
-        first_pose=np.tile(past, (300, 1)),
-        age_frames=np.full(300, frames),
-        structure=np.tile(100.0 * np.eye(2), (300, 1, 1)),
-    )
+    return flow_between(now, before, past, pose, frames / 60.0, frames)
 
 
 def foe_on_circle(radius_m: float) -> float:
@@ -53,12 +45,6 @@ def foe_on_circle(radius_m: float) -> float:
 
 def test_least_squares_finds_the_focus_of_a_radial_flow_exactly() -> None:
     assert least_squares(*radial_flow(200, "radial")) == pytest.approx(FOE, abs=1e-6)
-
-
-@pytest.mark.parametrize("count", [20, 50, 400])
-def test_the_printed_closed_form_points_nowhere_near_and_wanders_with_the_number_of_points(count: int) -> None:
-    found = as_printed(*radial_flow(count, f"printed {count}"))
-    assert np.hypot(*(found - FOE)) > 1000.0
 
 
 def test_the_printed_closed_form_is_right_after_its_two_repairs() -> None:
@@ -71,8 +57,7 @@ def test_the_printed_closed_form_is_right_after_its_two_repairs() -> None:
 
 @pytest.mark.parametrize("radius_m", [1e9, 200.0, -100.0, 50.0])
 def test_turning_is_removed_with_the_chord_it_leaves(radius_m: float) -> None:
-    config = ROBUST.focus_of_expansion
-    found = estimate(flow_on_circle(radius_m, 0.0), CAMERA, config, stream(0, "foe"))
+    found = estimate(flow_on_circle(radius_m, 0.0), CAMERA, CONFIG, stream(0, "foe"))
     assert found.x_px == pytest.approx(foe_on_circle(radius_m), abs=0.2)
     assert found.y_px == pytest.approx(CAMERA.cy_px, abs=0.2)
     assert found.confidence > 0.8
@@ -86,7 +71,7 @@ def test_without_derotation_a_bend_moves_the_focus() -> None:
 @pytest.mark.parametrize("share", [0.1, 0.3, 0.4])
 def test_outliers_leave_the_robust_estimate_in_place(share: float) -> None:
     flow = flow_on_circle(-100.0, 0.1, share)
-    found = estimate(flow, CAMERA, ROBUST.focus_of_expansion, stream(0, "foe"))
+    found = estimate(flow, CAMERA, CONFIG, stream(0, "foe"))
     assert np.hypot(found.x_px - foe_on_circle(-100.0), found.y_px - CAMERA.cy_px) < 1.5
     assert np.count_nonzero(found.inliers) < (1.05 - 0.8 * share) * len(flow)
 
@@ -94,89 +79,54 @@ def test_outliers_leave_the_robust_estimate_in_place(share: float) -> None:
 def test_the_covariance_grows_with_the_noise_of_few_points() -> None:
     flow = flow_on_circle(1e9, 0.1)
     few = flow.select(np.arange(0, len(flow), 10))
-    many = estimate(flow, CAMERA, ROBUST.focus_of_expansion, stream(0, "foe"))
-    less = estimate(few, CAMERA, ROBUST.focus_of_expansion, stream(0, "foe"))
+    many, less = (estimate(points, CAMERA, CONFIG, stream(0, "foe")) for points in (flow, few))
     assert less.covariance_px2[0, 0] > 4.0 * many.covariance_px2[0, 0]
-    assert abs(many.x_px - foe_on_circle(1e9)) < 3.0 * np.sqrt(many.covariance_px2[0, 0]) + 0.1
 
 
-@pytest.mark.parametrize("axis", [0, 2])
-def test_an_unmeasured_pitch_or_roll_is_fitted_along(axis: int) -> None:
+@pytest.mark.parametrize("axis", ["pitch", "roll"])
+def test_an_unmeasured_pitch_or_roll_is_fitted_along(axis: str) -> None:
     flow = flow_on_circle(1e9, 0.02)
     x, y = ((flow.points_px - [CAMERA.cx_px, CAMERA.cy_px]) / CAMERA.fx_px).T
-    motion = [np.stack([x * y, 1.0 + y * y], axis=1), None, np.stack([-y, x], axis=1)][axis]
-    assert motion is not None
-    tilted = Flow(
-        *(
-            flow.displacement_px + 0.003 * CAMERA.fx_px * motion if name == "displacement_px" else getattr(flow, name)
-            for name in Flow.__slots__
-        )
-    )
-    found = estimate(tilted, CAMERA, ROBUST.focus_of_expansion, stream(0, "foe"))
+    motion = {"pitch": (x * y, 1.0 + y * y), "roll": (-y, x)}[axis]
+    tilt_px = 0.003 * CAMERA.fx_px * np.stack(motion, axis=1)
+    found = estimate(replace(flow, displacement_px=flow.displacement_px + tilt_px), CAMERA, CONFIG, stream(0, "foe"))
     assert np.hypot(found.x_px - foe_on_circle(1e9), found.y_px - CAMERA.cy_px) < 1.5
 
 
-def test_a_pure_turn_leaves_no_flow() -> None:
-    flow = flow_on_circle(1e9, 0.0)
-    scene = np.column_stack([np.full(50, 9.0), np.linspace(-6, 6, 50), np.full(50, 0.6)])
-    turned = np.tile([0.0, 0.0, -0.05], (50, 1))
-    camera = Camera(forward_m=0.0)
-    now = past_image(camera, scene, np.zeros((50, 3)), flow.pose)
-    before = past_image(camera, scene, turned, flow.pose)
-    turning = Flow(
-        now, now - before, flow.gap_s[:50], turned, flow.pose, flow.identity[:50], before, turned, flow.age_frames[:50],
-        flow.structure[:50],
-    )  # fmt: skip
-    assert np.abs(derotate(turning, camera)).max() < 1e-9
-
-
 def test_a_standing_car_knows_no_focus() -> None:
-    flow = flow_on_circle(1e9, 0.0)
-    still = Flow(*(np.zeros((300, 2)) if name == "displacement_px" else getattr(flow, name) for name in Flow.__slots__))
+    still = replace(flow_on_circle(1e9, 0.0), displacement_px=np.zeros((300, 2)))
     for method in ("as_printed", "least_squares", "robust"):
         found = estimate(still, CAMERA, expansion(method), stream(0, "foe"))
         assert (found.x_px, found.y_px, found.confidence) == (CAMERA.cx_px, CAMERA.cy_px, 0.0)
 
 
-def stuck_to_the_glass(flow: Flow, count: int) -> Flow:
-    """The flow with `count` points more that do not move at all."""
-    spots = stream(3, "glass").uniform([0.0, 0.0], [640.0, 480.0], (count, 2))
-    more = {
-        "points_px": spots, "displacement_px": np.zeros((count, 2)), "gap_s": np.full(count, 0.1),
-        "past_pose": np.tile(flow.past_pose[0], (count, 1)), "identity": 1000 + np.arange(count), "first_px": spots,
-        "first_pose": np.tile(flow.past_pose[0], (count, 1)), "age_frames": np.full(count, 6),
-        "structure": np.tile(100.0 * np.eye(2), (count, 1, 1)), "on_glass": np.ones(count, np.bool_),
-    }  # fmt: skip
-    fields = {name: np.concatenate([getattr(flow, name), values]) for name, values in more.items()}
-    return Flow(pose=flow.pose, **fields)
-
-
 def test_points_on_the_glass_leave_the_focus_in_place_and_take_confidence() -> None:
-    clean, config = flow_on_circle(1e9, 0.1), ROBUST.focus_of_expansion
-    seen = estimate(clean, CAMERA, config, stream(0, "foe"))
-    wet = estimate(stuck_to_the_glass(clean, 300), CAMERA, config, stream(0, "foe"))
+    """As many points again that do not move at all."""
+    clean = flow_on_circle(1e9, 0.1)
+    spots = stream(3, "glass").uniform([0.0, 0.0], [640.0, 480.0], (300, 2))
+    both = (np.concatenate([px, spots]) for px in (clean.points_px, clean.first_px))
+    flow = replace(flow_between(*both, clean.past_pose[0]), on_glass=np.arange(600) >= 300)
+    seen, wet = (estimate(one, CAMERA, CONFIG, stream(0, "foe")) for one in (clean, flow))
     assert (wet.x_px, wet.y_px) == pytest.approx((seen.x_px, seen.y_px))
     assert wet.confidence == pytest.approx(0.5 * seen.confidence, rel=0.1)
     assert not wet.inliers[300:].any()
 
 
 def test_without_motion_the_last_focus_is_held_and_less_and_less_sure() -> None:
-    flow, config = flow_on_circle(100.0, 0.1), ROBUST.focus_of_expansion
-    seen = estimate(flow, CAMERA, config, stream(0, "foe"))
-    still = Flow(*(np.zeros((300, 2)) if name == "displacement_px" else getattr(flow, name) for name in Flow.__slots__))
-    still = Flow(*(still.pose[None].repeat(300, 0) if n == "past_pose" else getattr(still, n) for n in Flow.__slots__))
-    held = estimate(still, CAMERA, config, stream(0, "foe"), seen)
-    later = estimate(still, CAMERA, config, stream(0, "foe"), held)
+    flow = flow_on_circle(100.0, 0.1)
+    seen = estimate(flow, CAMERA, CONFIG, stream(0, "foe"))
+    still = flow_between(flow.points_px, flow.points_px)
+    held = estimate(still, CAMERA, CONFIG, stream(0, "foe"), seen)
+    later = estimate(still, CAMERA, CONFIG, stream(0, "foe"), held)
     assert (held.x_px, held.y_px, held.confidence) == (seen.x_px, seen.y_px, 0.0)
     assert later.covariance_px2[0, 0] > held.covariance_px2[0, 0] > seen.covariance_px2[0, 0]
 
 
 def test_the_last_focus_helps_where_the_flow_is_poor() -> None:
-    config, errors = ROBUST.focus_of_expansion, []
-    last = estimate(flow_on_circle(1e9, 0.02), CAMERA, config, stream(0, "foe"))
+    errors, last = [], estimate(flow_on_circle(1e9, 0.02), CAMERA, CONFIG, stream(0, "foe"))
     flow = flow_on_circle(1e9, 0.5, 0.4)
     for before in (None, last):
-        found = [estimate(flow, CAMERA, config, stream(k, "foe"), before) for k in range(5)]
+        found = [estimate(flow, CAMERA, CONFIG, stream(k, "foe"), before) for k in range(5)]
         errors.append(np.median([abs(one.x_px - CAMERA.cx_px) for one in found]))
     assert errors[1] < errors[0]
 
@@ -186,13 +136,7 @@ def test_the_covariance_says_how_large_the_errors_are() -> None:
     within = []
     for k in range(60):
         share = 0.4 * (k % 2)
-        found = estimate(flow_on_circle(1e9 + k, 0.1, share), CAMERA, ROBUST.focus_of_expansion, stream(k, "foe"))
+        found = estimate(flow_on_circle(1e9 + k, 0.1, share), CAMERA, CONFIG, stream(k, "foe"))
         error = np.array([found.x_px - CAMERA.cx_px, found.y_px - CAMERA.cy_px])
         within.append(np.all(np.abs(error) < 2.5 * np.sqrt(np.diag(found.covariance_px2))))
     assert np.mean(within) > 0.9
-
-
-def test_the_same_stream_gives_the_same_focus() -> None:
-    flow = flow_on_circle(80.0, 0.2, 0.3)
-    first, second = (estimate(flow, CAMERA, ROBUST.focus_of_expansion, stream(7, "foe")) for _ in range(2))
-    assert (first.x_px, first.y_px) == (second.x_px, second.y_px)

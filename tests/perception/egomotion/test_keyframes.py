@@ -5,6 +5,7 @@ from functools import partial
 import cv2
 import numpy as np
 import pytest
+from flow_between import flow_between
 from tracked_points import CAMERA, Drive, body, road_points, tracker
 
 from vpf_sim.geometry import project, undistort, vehicle_from_world
@@ -25,23 +26,6 @@ def picture(growth: float) -> Image:
     return np.clip(128.0 + 160.0 * seen, 0, 255).astype(np.uint8)
 
 
-def flow_of(now_px: Floats, first_px: Floats, age: int) -> Flow:
-    count = len(now_px)
-    poses, none = np.zeros((count, 3)), np.zeros((count, 2))
-    return Flow(
-        points_px=now_px,
-        displacement_px=none,
-        gap_s=np.full(count, 0.1),
-        past_pose=poses,
-        pose=np.zeros(3),
-        identity=np.arange(count),
-        first_px=first_px,
-        first_pose=poses,
-        age_frames=np.full(count, age),
-        structure=np.tile(np.eye(2), (count, 1, 1)),
-    )
-
-
 def places(growth: float) -> tuple[Floats, Floats]:
     """(N, 2) px now, and where the same was at first."""
     first = AHEAD_PX + stream(62, "places").uniform(-90.0, 90.0, (40, 2))
@@ -60,33 +44,24 @@ def seen(frames: list[Image], camera: Camera = CAMERA, remembered: int = 8) -> K
 def test_a_track_that_slipped_is_corrected(growth: float, error_px: tuple[float, float]) -> None:
     now, first = places(growth)
     buffer = seen([picture(1.0), np.zeros((480, 640), np.uint8), picture(growth)])
-    aside, found = buffer.register(
-        flow_of(now, first + error_px, 2), np.arange(len(now)), np.full((len(now), 2), growth)
-    )
+    flow = flow_between(now, first + error_px, age_frames=2)
+    aside, found = buffer.register(flow, np.arange(40), np.full((40, 2), growth))
     assert found.mean() > 0.9
     assert np.median(np.hypot(*(aside[found] + error_px).T)) < 0.08
-
-
-def test_points_are_registered_alone() -> None:
-    now, first = places(1.2)
-    rows = np.array([3, 17, 30])
-    aside, found = seen([picture(1.0), picture(1.2)]).register(flow_of(now, first, 1), rows, np.full((3, 2), 1.2))
-    assert aside.shape == (3, 2)
-    assert found.all()
-    assert np.abs(aside).max() < 0.3
 
 
 def test_other_content_is_not_found() -> None:
     now, first = places(1.2)
     other = np.ascontiguousarray(picture(1.0)[::-1])
-    _, found = seen([other, picture(1.2)]).register(flow_of(now, first, 1), np.arange(40), np.full((40, 2), 1.2))
+    flow = flow_between(now, first, age_frames=1)
+    _, found = seen([other, picture(1.2)]).register(flow, np.arange(40), np.full((40, 2), 1.2))
     assert found.mean() < 0.1
 
 
 def test_points_older_than_the_buffer_are_not_found() -> None:
     now, first = places(1.0)
     buffer = seen([picture(1.0)] * 4, remembered=2)
-    flow = flow_of(now, first, 3)
+    flow = flow_between(now, first, age_frames=3)
     flow.age_frames[::2] = 2
     _, found = buffer.register(flow, np.arange(40), np.ones((40, 2)))
     assert not found[1::2].any()
@@ -99,7 +74,7 @@ def test_more_frames_and_points_than_fit_into_one_image(age: int) -> None:
     blank = np.zeros((CAMERA.height_px, CAMERA.width_px), np.uint8)
     frames = [blank] * (83 - age) + [picture(1.0)] + [blank] * (age - 1) + [picture(1.2)]
     buffer, rows = seen(frames, remembered=84), np.tile(np.arange(40), 60)
-    aside, found = buffer.register(flow_of(now, first, age), rows, np.full((len(rows), 2), 1.2))
+    aside, found = buffer.register(flow_between(now, first, age_frames=age), rows, np.full((len(rows), 2), 1.2))
     assert found.mean() > 0.9
     assert np.abs(aside[found]).max() < 0.3
 
@@ -107,7 +82,7 @@ def test_more_frames_and_points_than_fit_into_one_image(age: int) -> None:
 def test_corrections_are_undistorted() -> None:
     camera, error_px = Camera(k1=-0.12, k2=0.02), np.array([0.7, 0.0])
     now, first = places(1.0)
-    flow = flow_of(undistort(camera, now), undistort(camera, first + error_px), 1)
+    flow = flow_between(undistort(camera, now), undistort(camera, first + error_px), age_frames=1)
     aside, found = seen([picture(1.0)] * 2, camera).register(flow, np.arange(40), np.ones((40, 2)))
     expected = undistort(camera, first) - undistort(camera, first + error_px)
     assert np.median(np.hypot(*(aside - expected)[found].T)) < 0.08

@@ -1,6 +1,7 @@
 """Flow of pictures that a wiper's blade crosses, moved by a known amount."""
 
 from dataclasses import replace
+from functools import cache
 from itertools import pairwise
 
 import cv2
@@ -44,6 +45,13 @@ def flows(tracker: FlowTracker, frames: list[Image]) -> list[Flow]:
     return [tracker.update(frame, np.array([0.1 * k, 0.0, 0.0])) for k, frame in enumerate(frames)]
 
 
+@cache
+def wiped() -> list[Flow]:
+    """The flow beneath a wiper's blade."""
+    picture = texture("wiper")
+    return flows(FlowTracker(CAMERA, HELD, 60.0), [swept(picture, k) for k in range(FRAMES)])
+
+
 def errors_px(flow: Flow) -> np.ndarray:
     """(N,) of the way since each point was first seen."""
     return np.hypot(*(flow.points_px - flow.first_px - np.outer(flow.age_frames, STEP)).T)
@@ -60,14 +68,12 @@ def survivors(tracked: list[Flow]) -> float:
 def test_points_are_followed_beneath_a_wiper() -> None:
     picture = texture("wiper")
     frames = [swept(picture, k) for k in range(FRAMES)]
-    assert survivors(flows(FlowTracker(CAMERA, HELD, 60.0), frames)) > 0.8
+    assert survivors(wiped()) > 0.8
     assert survivors(flows(FlowTracker(CAMERA, ROBUST, 60.0), frames)) < 0.6
 
 
 def test_no_point_is_carried_along_or_reported_while_it_is_occluded() -> None:
-    picture = texture("wiper")
-    tracked = flows(FlowTracker(CAMERA, HELD, 60.0), [swept(picture, k) for k in range(FRAMES)])
-    for k, flow in enumerate(tracked[FIRST:], FIRST):
+    for k, flow in enumerate(wiped()[FIRST:], FIRST):
         old = flow.age_frames > 1
         assert np.mean(errors_px(flow)[old] < 0.5) > 0.9, f"frame {k}"
         middle = blade_px(k)
@@ -77,9 +83,7 @@ def test_no_point_is_carried_along_or_reported_while_it_is_occluded() -> None:
 
 
 def test_the_motion_over_the_window_is_right_for_points_that_come_back() -> None:
-    picture = texture("wiper")
-    tracked = flows(FlowTracker(CAMERA, HELD, 60.0), [swept(picture, k) for k in range(FRAMES)])
-    for flow in tracked[LAST + 1 : LAST + 5]:
+    for flow in wiped()[LAST + 1 : LAST + 5]:
         expected = np.outer(flow.gap_s * 60.0, STEP)
         assert np.percentile(np.hypot(*(flow.displacement_px - expected).T), 95) < 0.3
 

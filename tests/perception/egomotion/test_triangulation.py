@@ -1,14 +1,16 @@
 """Depth and height of simulated tracks, and how sure they are."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from flow_between import flow_between
 from tracked_points import CAMERA, RATE_HZ, Drive
 
 from vpf_sim.geometry import vehicle_from_world
 from vpf_sim.perception.egomotion.egomotion_settings import NoiseModel
 from vpf_sim.perception.egomotion.triangulation import information, triangulate
 from vpf_sim.seeding import stream
-from vpf_sim.types import Flow
 
 
 def test_depth_and_height_are_exact_without_noise() -> None:
@@ -41,15 +43,8 @@ def test_the_sigma_of_the_depth_is_that_of_the_errors() -> None:
 
 
 def test_an_edge_gives_no_information_along_itself() -> None:
-    flow = Drive(np.array([[20.0, 1.0, 0.5]])).flow(0)
-    direction = np.array([0.6, 0.8])
+    direction, along = np.array([0.6, 0.8]), np.array([-0.8, 0.6])
     tensor = 400.0 * np.outer(direction, direction) + 0.1 * np.eye(2)
-    one = Flow(
-        *(np.zeros((1, 2)) if name in ("points_px", "displacement_px", "first_px") else getattr(flow, name) for name in
-          ("points_px", "displacement_px", "gap_s", "past_pose", "pose", "identity", "first_px", "first_pose",
-           "age_frames")),
-        structure=tensor[None],
-    )  # fmt: skip
+    one = replace(flow_between(np.zeros((1, 2)), np.zeros((1, 2))), structure=tensor[None])
     weight = information(one, 11, np.zeros(1), NoiseModel())[0]
-    along = np.array([-0.8, 0.6])
     assert along @ weight @ along < 1e-2 * (direction @ weight @ direction)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from driver_settings import ROBUST
+from flow_made import street
 
 from vpf_sim.perception.egomotion.ground_plane import past_image
 from vpf_sim.perception.egomotion.windscreen_points import least_motion, on_glass, scene_motion
@@ -12,14 +13,6 @@ from vpf_sim.types import Camera, Floats
 CAMERA = Camera(forward_m=0.0)
 HERE = np.zeros(3)
 CONFIG = ROBUST.flow.windscreen_points
-
-
-def street(count: int) -> Floats:
-    """(count, 3) m: the road and what stands on it, walls 8 m aside."""
-    rng = stream(0, "street")
-    forward = rng.uniform(4.0, 40.0, count)
-    right = np.where(rng.random(count) < 0.5, rng.uniform(-4.0, 4.0, count), 8.0 * rng.choice([-1.0, 1.0], count))
-    return np.column_stack([forward, right, rng.uniform(0.0, 2.5, count)])
 
 
 def seen(past_pose: Floats, count: int = 300) -> tuple[Floats, Floats, Floats]:
@@ -59,11 +52,8 @@ def test_drops_on_the_glass_are_found_where_scenery_would_have_moved() -> None:
     assert found.mean() > 0.7
 
 
-def test_nothing_is_on_the_glass_while_the_car_stands() -> None:
-    drops = stream(2, "spots").uniform([0.0, 0.0], [640.0, 480.0], (100, 2))
-    assert not on_glass(CAMERA, drops, drops, np.tile(HERE, (100, 1)), HERE, CONFIG).any()
-
-
-def test_a_turn_alone_shows_drops() -> None:
+@pytest.mark.parametrize(("turn_rad", "found"), [(0.0, False), (-0.05, True)], ids=["stands", "turns"])
+def test_a_turn_alone_shows_drops_and_standing_does_not(turn_rad: float, found: bool) -> None:
     drops = stream(3, "spots").uniform([0.0, 0.0], [640.0, 480.0], (100, 2))
-    assert on_glass(CAMERA, drops, drops, np.tile([0.0, 0.0, -0.05], (100, 1)), HERE, CONFIG).all()
+    past = np.tile([0.0, 0.0, turn_rad], (100, 1))
+    assert (on_glass(CAMERA, drops, drops, past, HERE, CONFIG) == found).all()
