@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from driver_settings import static_obstacles
+from made_obstacles import obstacles
 
 from vpf_sim.geometry import rotation, vehicle_from_world
 from vpf_sim.perception.obstacles.clustering import split
@@ -23,7 +24,7 @@ from vpf_sim.perception.obstacles.extent import (
 from vpf_sim.perception.obstacles.low_obstacles import extend_by_low, join, widen_to_tracks
 from vpf_sim.perception.obstacles.prediction import predict
 from vpf_sim.seeding import stream
-from vpf_sim.types import Floats, Obstacles, RoadEdges
+from vpf_sim.types import Floats, RoadEdges
 
 CONFIG = static_obstacles()
 SPLIT, FRAGMENT = CONFIG.split, CONFIG.fragment
@@ -32,15 +33,10 @@ SPLIT, FRAGMENT = CONFIG.split, CONFIG.fragment
 def test_obstacles_are_predicted_by_the_ego_motion_and_their_own() -> None:
     """One stands and one drives at 4 m/s along a straight road that runs 0.1 rad to the right; 0.05 s later the car has
     gone 0.3 m ahead, 0.02 m aside and turned by 0.03 rad."""
-    ones = np.ones(2)
-    obstacles = Obstacles(
-        *(np.array([20.0, 30.0]), np.array([2.0, -3.0]), np.array([4.0, -1.0]), 0.3 * ones, np.inf * ones),
-        np.array([1, -1]),
-        np.array([0.0, 4.0]),
-    )
+    told = obstacles((20.0, 2.0, 4.0), (30.0, -3.0, -1.0), identity=(1, -1), speed_mps=(0.0, 4.0))
     road, seen_from = RoadEdges(-5.0, 5.0, 0.1, 0.0, 0.05, 1.0, 0.0, 3.5), np.array([3.0, 1.0, 0.5])
     pose = np.array([*(seen_from[:2] + rotation(0.5) @ np.array([0.3, 0.02])), 0.53])
-    found = predict(obstacles, seen_from, pose, road, 0.05)
+    found = predict(told, seen_from, pose, road, 0.05)
     expected = np.array([[20.0, 3.0], [30.0, -2.0] + 0.2 * np.array([np.cos(0.1), np.sin(0.1)])]) - (0.3, 0.02)
     expected = expected @ rotation(0.03)
     assert np.stack([found.forward_m, found.middle_m], axis=1) == pytest.approx(expected, abs=1e-3)
@@ -48,8 +44,7 @@ def test_obstacles_are_predicted_by_the_ego_motion_and_their_own() -> None:
 
 def ahead(forward_m: Floats, sigma_m: Floats) -> ObstaclePoints:
     """Points (M,) straight ahead, seen sharply; none of them is an obstacle by itself, or a stray."""
-    some = np.zeros(len(forward_m))
-    return ObstaclePoints(np.column_stack([forward_m, some]), sigma_m, some, some)
+    return replace(points(np.column_stack([forward_m, np.zeros(len(forward_m))])), sigma_m=sigma_m)
 
 
 def test_points_before_the_face_move_along_their_line_of_sight() -> None:
@@ -78,13 +73,13 @@ def test_front_is_a_quantile_of_the_points_not_the_nearest() -> None:
 @pytest.mark.parametrize("count", [3, 8, 30])
 def test_corrected_front_is_unbiased(count: int) -> None:
     """400 faces 20 m ahead, of points known to 1.2 m."""
-    rng, obstacles = stream(29, "faces"), 400
-    label = np.repeat(np.arange(obstacles), count)
+    rng, faces = stream(29, "faces"), 400
+    label = np.repeat(np.arange(faces), count)
     sigma = np.full(len(label), 1.2)
     seen = ahead(20.0 + sigma * rng.standard_normal(len(label)), sigma)
-    nearest, _ = front(seen, label, obstacles)
-    face, face_sigma = corrected_front(seen, label, obstacles)
-    standard_error = np.std(face) / np.sqrt(obstacles)
+    nearest, _ = front(seen, label, faces)
+    face, face_sigma = corrected_front(seen, label, faces)
+    standard_error = np.std(face) / np.sqrt(faces)
     assert abs(np.mean(face) - 20.0) < 0.03 + 3.0 * standard_error
     assert np.mean(nearest) < 19.5, "their nearest quarter"
     assert face_sigma == pytest.approx(1.2 / np.sqrt(count))
@@ -96,13 +91,13 @@ def test_width_of_a_long_obstacle_is_that_of_its_face_for_a_turned_car() -> None
     face = np.column_stack([np.full(40, 12.0), rng.uniform(-1.0, 1.5, 40)])
     side = np.column_stack([rng.uniform(12.0, 21.0, 20), np.full(20, -1.0)])
     roof = np.column_stack([rng.uniform(12.0, 21.0, 20), rng.uniform(-1.0, 1.5, 20)])
-    turn = np.array([[np.cos(heading_rad), np.sin(heading_rad)], [-np.sin(heading_rad), np.cos(heading_rad)]])
+    turn = rotation(heading_rad).T
     place = np.concatenate([face, side, roof]) @ turn
     sigma = np.repeat([0.03, 0.03, 0.6], [40, 20, 20])
     sight = np.arctan2(place[:, 1], place[:, 0])
     place = place + (sigma * rng.standard_normal(80))[:, None] * np.column_stack([np.cos(sight), np.sin(sight)])
     road = RoadEdges(-7.0, 7.0, heading_rad, 0.0, 0.02, 1.0, 0.0, 3.5)
-    label, seen = (np.zeros(80, np.int64), ObstaclePoints(place, sigma, sight, np.zeros(80)))
+    label, seen = np.zeros(80, np.int64), replace(points(place), sigma_m=sigma, sight_rad=sight)
     angle = direction_at(seen, label, 1, road)
     seen = rotate(seen, angle[label])
     begin, _ = front(seen, label, 1)
@@ -209,10 +204,8 @@ def test_in_line_is_along_the_road_for_a_turned_car(side: float) -> None:
     ahead, truck, other = np.array([2.4, 7.1]), sorted((side * 3.3, side * 5.8)), sorted((side * 2.6, side * 3.1))
     left, right = np.array([truck, other]).T
     for angle, parts in ((0.0, [False, True]), (side * 0.23, [False, False])):
-        assert (
-            fragments(ahead, left, right, np.full(2, angle), np.array([4, 4]), np.array([20, 6]), FRAGMENT).tolist()
-            == parts
-        )
+        found = fragments(ahead, left, right, np.full(2, angle), np.array([4, 4]), np.array([20, 6]), FRAGMENT)
+        assert found.tolist() == parts
 
 
 @pytest.mark.parametrize("sight_deg", [70.0, 89.9, 90.0, 95.0])
@@ -227,60 +220,44 @@ def test_points_with_lines_of_sight_across_the_road_stretch_an_obstacle_little(s
         assert 1.8 <= right[0] <= 2.3
 
 
-def standing(*rows: tuple[float, float, float]) -> Obstacles:
-    """Obstacles by face, left and right side."""
-    forward, left, right = np.array(rows).T
-    some = np.zeros(len(rows))
-    return Obstacles(forward, left, right, some + 0.1, some + np.inf, np.arange(len(rows)))
-
-
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_a_low_obstacle_that_sticks_out_of_a_taller_one_is_its_own(side: float) -> None:
     """Beside a car's flank, 0.6 m wide or more as what is low is reported: a wheel, a shadow's corner, and a pallet."""
-    car = standing((5.5, *sorted((side * 2.5, side * 4.7))))
+    car = obstacles((5.5, *sorted((side * 2.5, side * 4.7))))
     wheel, shadow, pallet = ((6.5, *sorted((side * a, side * b))) for a, b in ((2.2, 2.8), (1.85, 2.45), (1.6, 2.45)))
     for one in (wheel, shadow):
-        assert len(join(car, standing(one), 0.1, 0.75, 2.0, 2.0)) == 1
-    both = join(car, standing(pallet), 0.1, 0.75, 2.0, 2.0)
+        assert len(join(car, obstacles(one), 0.1, 0.75, 2.0, 2.0)) == 1
+    both = join(car, obstacles(pallet), 0.1, 0.75, 2.0, 2.0)
     assert sorted(both.left_m.tolist()) == sorted((car.left_m[0], pallet[1]))
 
 
 @pytest.mark.parametrize(("before_m", "own"), [(0.8, False), (1.2, True)])
 def test_a_low_obstacle_well_before_a_taller_one_is_its_own(before_m: float, own: bool) -> None:
-    wall, plank = standing((9.0, -3.0, 3.0)), standing((9.0 - before_m, -0.5, 0.5))
+    wall, plank = obstacles((9.0, -3.0, 3.0)), obstacles((9.0 - before_m, -0.5, 0.5))
     assert len(join(wall, plank, 0.4, 1.0, 1.0, 2.0)) == 1 + own
 
 
-def seen_wide(points: Obstacles, tracks: Obstacles) -> Obstacles:
-    return widen_to_tracks(points, tracks, 1.0, 0.4)
-
-
-def test_a_low_obstacle_has_the_width_of_its_track_and_contains_its_points() -> None:
-    """A pallet from 1.0 to 1.8 m right, of which points show the left rim, and a track that is reported 0.2 m off."""
-    seen = seen_wide(standing((8.0, 0.98, 1.1), (8.0, -3.0, -2.9)), standing((8.3, 1.2, 2.0)))
-    assert [*seen.left_m, *seen.right_m] == pytest.approx([0.98, -3.0, 1.78, -2.9])
-    mirrored = seen_wide(standing((8.0, -1.1, -0.98)), standing((8.3, -2.0, -1.2)))
-    assert [*mirrored.left_m, *mirrored.right_m] == pytest.approx([-1.78, -0.98])
-
-
-@pytest.mark.parametrize("track", [(8.3, 1.7, 2.5), (10.3, 0.9, 1.7)])
-def test_a_track_elsewhere_does_not_widen_it(track: tuple[float, float, float]) -> None:
-    assert seen_wide(standing((8.0, 1.0, 1.2)), standing(track)).right_m == pytest.approx([1.2])
-
-
-def test_a_narrower_track_changes_nothing() -> None:
-    seen = seen_wide(standing((8.0, 1.0, 2.0)), standing((8.0, 1.2, 1.8)))
-    assert [*seen.left_m, *seen.right_m] == pytest.approx([1.0, 2.0])
-
-
-def test_the_nearer_of_two_tracks_is_matched() -> None:
-    points, tracks = standing((8.0, 1.0, 1.2)), ((8.0, 0.2, 0.9), (8.0, 1.25, 2.0))
-    for order in (tracks, tracks[::-1]):
-        seen = seen_wide(points, standing(*order))
-        assert (seen.left_m[0], seen.right_m[0]) == pytest.approx((1.0, 1.75))
-    none_seen = standing((8.0, 1.0, 1.2)).select(np.array([False]))
-    assert seen_wide(points, none_seen) is points
-    assert len(seen_wide(none_seen, standing(*tracks))) == 0
+@pytest.mark.parametrize(
+    ("seen_m", "tracks_m", "sides_m"),
+    [
+        pytest.param((0.98, 1.1), [(8.3, 1.2, 2.0)], (0.98, 1.78), id="a pallet's left rim"),
+        pytest.param((-1.1, -0.98), [(8.3, -2.0, -1.2)], (-1.78, -0.98), id="mirrored"),
+        pytest.param((-3.0, -2.9), [(8.3, 1.2, 2.0)], (-3.0, -2.9), id="on the other side"),
+        pytest.param((1.0, 1.2), [(8.3, 1.7, 2.5)], (1.0, 1.2), id="a track beside it"),
+        pytest.param((1.0, 1.2), [(10.3, 0.9, 1.7)], (1.0, 1.2), id="a track behind it"),
+        pytest.param((1.0, 2.0), [(8.0, 1.2, 1.8)], (1.0, 2.0), id="a narrower track"),
+        pytest.param((1.0, 1.2), [(8.0, 0.2, 0.9), (8.0, 1.25, 2.0)], (1.0, 1.75), id="the nearer is the second"),
+        pytest.param((1.0, 1.2), [(8.0, 1.25, 2.0), (8.0, 0.2, 0.9)], (1.0, 1.75), id="the nearer is the first"),
+        pytest.param((1.0, 1.2), [], (1.0, 1.2), id="no track"),
+    ],
+)
+def test_a_low_obstacle_has_the_width_of_the_nearest_track_and_contains_its_points(
+    seen_m: tuple[float, float], tracks_m: list[tuple[float, float, float]], sides_m: tuple[float, float]
+) -> None:
+    """Points 8 m ahead show a part of what the track spans, which is reported some decimetres off."""
+    seen = widen_to_tracks(obstacles((8.0, *seen_m)), obstacles(*tracks_m), 1.0, 0.4)
+    assert (seen.left_m[0], seen.right_m[0]) == pytest.approx(sides_m)
+    assert not len(widen_to_tracks(obstacles(), obstacles(*tracks_m), 1.0, 0.4))
 
 
 @pytest.mark.parametrize(
@@ -290,12 +267,12 @@ def test_a_tall_obstacle_on_a_wider_low_one_has_its_width(
     low: tuple[float, float, float], reported: tuple[float, float, float]
 ) -> None:
     """They are reported by themselves where its right end is."""
-    seen = extend_by_low(standing((8.0, 1.4, 1.8)), standing(low), 0.5, 2.0)
+    seen = extend_by_low(obstacles((8.0, 1.4, 1.8)), obstacles(low), 0.5, 2.0)
     assert (seen.forward_m[0], seen.left_m[0], seen.right_m[0]) == pytest.approx(reported)
 
 
 @pytest.mark.parametrize("low", [(8.5, 1.9, 2.5), (10.5, 1.0, 1.85), (7.0, 1.0, 1.85), (8.0, 1.3, 1.6)])
 def test_a_low_obstacle_elsewhere_or_narrower_extends_nothing(low: tuple[float, float, float]) -> None:
     """Beside it, behind, before: an obstacle of its own, which must keep its face; and a wheel."""
-    seen = extend_by_low(standing((8.0, 1.4, 1.8)), standing(low), 0.5, 2.0)
+    seen = extend_by_low(obstacles((8.0, 1.4, 1.8)), obstacles(low), 0.5, 2.0)
     assert (seen.forward_m[0], seen.left_m[0], seen.right_m[0]) == (8.0, 1.4, 1.8)

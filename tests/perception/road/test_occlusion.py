@@ -1,31 +1,20 @@
 """What known bodies cover and hide of the road, against lines of sight followed point by point."""
 
-from dataclasses import replace
-
 import cv2
 import numpy as np
 import pytest
+from made_obstacles import obstacles
 
 from vpf_sim.geometry import rotation
 from vpf_sim.perception.object_sizes import CAR_LENGTH_M
 from vpf_sim.perception.road.occlusion import BEFORE_M, BESIDE_M, footprints, shadow
-from vpf_sim.types import Bools, Floats, Obstacles, RoadEdges
+from vpf_sim.types import Bools, Floats, RoadEdges
 
 LENS_M = np.array([0.8, 0.0])
 
 
 def road(heading_rad: float = 0.0, curvature_per_m: float = 0.0) -> RoadEdges:
     return RoadEdges(-9.0, 5.0, heading_rad, curvature_per_m, 0.05, 1.0, 0.0, 3.5)
-
-
-def body(face_m: float, left_m: float, right_m: float) -> Obstacles:
-    one = np.ones(1)
-    return Obstacles(face_m * one, left_m * one, right_m * one, 0.1 * one, one, np.array([1]))
-
-
-def moving(face_m: float, speed_mps: float, sigma_m: float = 0.5) -> Obstacles:
-    """A car 2 m wide."""
-    return replace(body(face_m, -1.0, 1.0), sigma_m=np.array([sigma_m]), speed_mps=np.array([speed_mps]))
 
 
 def inside(points_m: Floats, corners_m: Floats) -> Bools:
@@ -39,7 +28,7 @@ def inside(points_m: Floats, corners_m: Floats) -> Bools:
 @pytest.mark.parametrize("heading_rad", [0.0, 0.2, -0.3])
 def test_what_a_line_of_sight_meets_a_body_on_is_hidden_and_nothing_else(face_m: float, heading_rad: float) -> None:
     """Also where the body's face lies behind the camera and its flank beside it."""
-    (corners,) = footprints(body(face_m, -4.0, -1.6), road(heading_rad))
+    (corners,) = footprints(obstacles((face_m, -4.0, -1.6)), road(heading_rad))
     outline = shadow(corners, LENS_M).astype(np.float32)
     grid = np.stack(np.meshgrid(np.arange(1.0, 16.0, 0.5), np.arange(-8.0, 4.0, 0.25)), axis=-1).reshape(-1, 2)
     share = np.linspace(0.0, 1.0, 400)[:, None]
@@ -51,24 +40,23 @@ def test_what_a_line_of_sight_meets_a_body_on_is_hidden_and_nothing_else(face_m:
 
 @pytest.mark.parametrize(("width_m", "length_m"), [(0.4, 1.0), (2.0, 5.5), (2.2, 5.5), (2.5, 9.0)])
 def test_what_is_as_wide_as_a_car_or_a_truck_may_be_as_long(width_m: float, length_m: float) -> None:
-    (corners,) = footprints(body(10.0, 1.0, 1.0 + width_m), road())
+    (corners,) = footprints(obstacles((10.0, 1.0, 1.0 + width_m)), road())
     assert corners.max(axis=0) == pytest.approx([10.0 + length_m, 1.0 + width_m + BESIDE_M])
     assert corners.min(axis=0) == pytest.approx([10.0 - BEFORE_M, 1.0 - BESIDE_M])
 
 
 def test_it_stands_along_the_road_where_that_bends() -> None:
-    (straight,) = footprints(body(10.0, -1.25, 1.25), road())
-    (bent,) = footprints(body(10.0, -1.25, 1.25), road(0.1, 0.01))
+    (straight,), (bent,) = (footprints(obstacles((10.0, -1.25, 1.25)), on) for on in (road(), road(0.1, 0.01)))
     middle = np.array([10.0, 0.0])
     assert bent == pytest.approx(middle + (straight - middle) @ rotation(0.2).T)
 
 
 def test_a_body_told_where_the_camera_is_hides_no_more_than_it_covers() -> None:
-    (corners,) = footprints(body(-4.0, -1.2, 1.2), road())
+    (corners,) = footprints(obstacles((-4.0, -1.2, 1.2)), road())
     assert shadow(corners, LENS_M) == pytest.approx(corners)
 
 
 def test_what_moves_covers_also_where_it_was_in_the_older_picture() -> None:
-    (corners,) = footprints(moving(10.0, 3.0), road(), since_s=0.8)
+    (corners,) = footprints(obstacles((10.0, -1.0, 1.0), speed_mps=[3.0]), road(), since_s=0.8)
     assert corners[:, 0].min() == pytest.approx(10.0 - 3.0 * 0.8 - BEFORE_M)
     assert corners[:, 0].max() == pytest.approx(10.0 + CAR_LENGTH_M)
