@@ -5,12 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from driver_settings import section
+from flow_between import flow_between
 from tracked_points import CAMERA
 
 from vpf_sim.perception.obstacles.looming_consistency import LoomingConsistency
 from vpf_sim.types import Floats, Flow
 
 RATE_HZ, SPEED_MPS = 20.0, 5.5
+SETTINGS = section("static_obstacles.looming_consistency")
 CORNERS_M = np.array([[0.0, 0.0], [0.16, 0.03], [0.05, 0.12], [0.2, 0.15]])  # right and up
 
 
@@ -20,10 +22,12 @@ def seen(corners_m: Floats, distance_m: Floats | float, time_s: float, born_s: f
     aside, up = corners_m.T / distance
     points = np.stack([CAMERA.cx_px + CAMERA.fx_px * aside, CAMERA.cy_px - CAMERA.fy_px * up], axis=1)
     pose = np.array([SPEED_MPS * time_s, 0.0, 0.0])
-    poses, whole = np.tile(pose, (count, 1)), np.zeros(count, np.int64)
     identity = np.arange(count) + (100 if time_s < born_s else 0)
-    zero = np.zeros((count, 2))
-    return Flow(points, zero, np.zeros(count), poses, pose, identity, points, poses, whole, np.zeros((count, 2, 2)))
+    return replace(flow_between(points, points, pose, pose), identity=identity)
+
+
+def watch() -> LoomingConsistency:
+    return LoomingConsistency(SETTINGS, RATE_HZ)
 
 
 def approached(looming: LoomingConsistency, count: int, stands: bool, now_m: float, born_s: float = 0.0) -> None:
@@ -50,7 +54,7 @@ def reported(looming: LoomingConsistency, count: int, now_m: float) -> list[bool
 
 def keeps_together(count: int, stands: bool, now_m: float, born_s: float = 0.0) -> list[bool]:
     """What is reported of them then."""
-    looming = LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ)
+    looming = watch()
     approached(looming, count, stands, now_m, born_s)
     return reported(looming, count, now_m)
 
@@ -68,7 +72,7 @@ def test_one_point_or_young_ones_are_not_judged() -> None:
 
 
 def test_a_result_holds_while_a_point_is_alone_and_followed() -> None:
-    looming = LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ)
+    looming = watch()
     approached(looming, 2, False, 6.0)
     assert reported(looming, 2, 6.0) == [True] * 2
     assert reported(looming, 1, 6.0) == [True]
@@ -78,7 +82,7 @@ def test_a_result_holds_while_a_point_is_alone_and_followed() -> None:
 
 
 def test_a_wiper_leaves_results() -> None:
-    looming = LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ)
+    looming = watch()
     approached(looming, 2, False, 6.0)
     assert reported(looming, 2, 6.0) == [True] * 2
     nothing = seen(CORNERS_M[:0], 6.0, 1.0, 0.0)
@@ -88,10 +92,7 @@ def test_a_wiper_leaves_results() -> None:
 
 
 def test_results_are_limited() -> None:
-    looming, kept = (
-        LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ),
-        round(section("static_obstacles.looming_consistency").memory_s * RATE_HZ),
-    )
+    looming, kept = watch(), round(SETTINGS.memory_s * RATE_HZ)
     approached(looming, 2, False, 6.0)
     for _ in range(3 * kept):
         assert reported(looming, 2, 6.0) == [True] * 2
@@ -102,12 +103,9 @@ def test_results_are_limited() -> None:
 
 def test_points_of_other_objects_are_not_compared() -> None:
     """Each by itself beside a far tree line, 40 px apart, or at another depth."""
-    looming = LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ)
     apart = np.array([[1.5, 0.0], [3.5, 0.0], [5.5, 0.0]])
-    for frame in range(11):
-        looming.record(seen(apart, 12.0, frame / RATE_HZ, 0.0))
-    assert looming.keeps_together(np.arange(3), np.full(3, 1.0 / 12.0)).tolist() == [False] * 3
-    looming = LoomingConsistency(section("static_obstacles.looming_consistency"), RATE_HZ)
-    for frame in range(11):
-        looming.record(seen(CORNERS_M[:3], 12.0, frame / RATE_HZ, 0.0))
-    assert looming.keeps_together(np.arange(3), 1.0 / np.array([4.0, 9.0, 20.0])).tolist() == [False] * 3
+    for corners_m, depth_m in ((apart, np.full(3, 12.0)), (CORNERS_M[:3], np.array([4.0, 9.0, 20.0]))):
+        looming = watch()
+        for frame in range(11):
+            looming.record(seen(corners_m, 12.0, frame / RATE_HZ, 0.0))
+        assert looming.keeps_together(np.arange(3), 1.0 / depth_m).tolist() == [False] * 3

@@ -39,21 +39,18 @@ def test_standing_stray_and_faint_points_speak_against_a_track(against: dict[str
 def test_undecided_points_weigh_little_and_points_outside_nothing() -> None:
     inside, moving, standing, contrast = points(6)
     alone = evidence(inside, moving, standing, contrast, WET, CONFIG)
-    both = np.concatenate([np.ones(3), np.full(6, 1.0)])
-    more = (
-        np.concatenate([np.ones(3, np.bool_), inside]),
-        both,
-        np.concatenate([np.ones(3), standing]),
-        np.concatenate([np.full(3, -3.0), contrast]),
-    )
+    undecided = (np.ones(3, np.bool_), np.ones(3), np.ones(3), np.full(3, -3.0))
+    more = [np.concatenate(parts) for parts in zip(undecided, (inside, moving, standing, contrast), strict=True)]
     assert alone - 1.0 <= evidence(*more, WET, CONFIG) <= alone
-    outside = (more[0] & (np.arange(9) > 2), *more[1:])
-    assert evidence(*outside, WET, CONFIG) == pytest.approx(alone)
+    more[0] = np.arange(9) > 2
+    assert evidence(*more, WET, CONFIG) == pytest.approx(alone)
 
 
 def test_evidence_of_one_observation_is_bounded() -> None:
+    """What is seen through or faint rejects a track."""
     assert evidence(*points(500, contrast=3.0), WET, CONFIG) == CONFIG.most
-    assert evidence(*points(2, standing=500, contrast=-5.0), WET, CONFIG) == CONFIG.least
+    for seen in (points(8, standing=20, contrast=0.5), points(8, contrast=-3.0)):
+        assert evidence(*seen, WET, CONFIG) == CONFIG.least
 
 
 def test_faint_points_speak_against_a_track_on_a_wet_road_and_far_away() -> None:
@@ -92,8 +89,3 @@ def test_a_mirror_image_is_fainter_than_the_upper_part_of_its_vehicle(own: float
 
 def test_without_upper_points_an_image_is_known_by_its_contrast_alone() -> None:
     assert image_contrast(1.0, np.empty(0), IMAGE) == pytest.approx(IMAGE.wet)
-
-
-def test_see_through_and_faint_points_reject_a_track() -> None:
-    for seen in (points(8, standing=20, contrast=0.5), points(8, contrast=-3.0)):
-        assert evidence(*seen, WET, CONFIG) == CONFIG.least

@@ -11,6 +11,7 @@ from vpf_sim.perception.obstacles.planar_parallax.sensing_range import SensingRa
 CONFIG = static_obstacles().planar_parallax.sensing_range
 NEAR_M, PERIOD_S, SIGHTINGS = 6.5, 0.1, 2
 GRAIN = 3.0
+WAY_M = (SIGHTINGS + CONFIG.spare_looks) * PERIOD_S * 5.0  # of the observations
 
 
 def range_m(noise: float, seen: float = 1.0, speed_mps: float = 5.0, looks: int = 200, grain: float = GRAIN) -> float:
@@ -25,20 +26,17 @@ def difference(forward_m: float) -> float:
     return CONFIG.grains * GRAIN * (CONFIG.grains_at_m / forward_m) ** CONFIG.power
 
 
-def test_in_clear_air_only_the_way_of_the_observations_is_lost() -> None:
-    way = (SIGHTINGS + CONFIG.spare_looks) * PERIOD_S * 5.0
-    assert range_m(noise=1.0) == pytest.approx(CONFIG.far_m - way, abs=0.25)
-
-
-@pytest.mark.parametrize("forward_m", [9.0, 10.0, 11.0])
-def test_noise_limits_the_range_by_the_difference_of_an_obstacle(forward_m: float) -> None:
-    way = (SIGHTINGS + CONFIG.spare_looks) * PERIOD_S * 5.0
-    assert range_m(noise=difference(forward_m)) == pytest.approx(forward_m - way, abs=0.253)
-
-
-def test_water_on_half_of_the_road_takes_twice_the_way() -> None:
-    way = (SIGHTINGS + CONFIG.spare_looks) * PERIOD_S * 5.0
-    assert range_m(noise=1.0, seen=0.5) == pytest.approx(CONFIG.far_m - 2.0 * way, abs=0.25)
+@pytest.mark.parametrize(
+    ("noise", "seen", "expected_m"),
+    [
+        pytest.param(1.0, 1.0, CONFIG.far_m - WAY_M, id="clear air: only the way of the observations is lost"),
+        pytest.param(difference(9.0), 1.0, 9.0 - WAY_M, id="noise as an obstacle at 9 m"),
+        pytest.param(difference(11.0), 1.0, 11.0 - WAY_M, id="noise as an obstacle at 11 m"),
+        pytest.param(1.0, 0.5, CONFIG.far_m - 2.0 * WAY_M, id="water on half of the road: twice the way"),
+    ],
+)
+def test_noise_and_water_limit_the_range(noise: float, seen: float, expected_m: float) -> None:
+    assert range_m(noise, seen) == pytest.approx(expected_m, abs=0.253)
 
 
 def test_a_slower_car_has_a_longer_range() -> None:
@@ -61,12 +59,11 @@ def test_before_the_first_observation_the_view_counts_as_good() -> None:
 
 
 def test_the_range_of_a_good_view_does_not_depend_on_the_observations() -> None:
-    way = (SIGHTINGS + CONFIG.spare_looks) * PERIOD_S * 5.0
     sight = SensingRange(CONFIG, NEAR_M, PERIOD_S)
     for _ in range(50):
         sight.record(np.inf, GRAIN, np.zeros(len(sight.forward_m)))
     assert sight.distance_m(5.0, SIGHTINGS) == 0.0
-    assert sight.good_m(5.0, SIGHTINGS) == pytest.approx(CONFIG.far_m - way / CONFIG.good_share, abs=0.25)
+    assert sight.good_m(5.0, SIGHTINGS) == pytest.approx(CONFIG.far_m - WAY_M / CONFIG.good_share, abs=0.25)
     assert sight.good_m(20.0, SIGHTINGS) == 0.0, "too fast for any"
 
 
