@@ -77,9 +77,8 @@ def test_it_lets_a_pedestrian_cross() -> None:
     on = road()
     narrow = replace(on, **{name: getattr(on, name) / 3.0 for name in ("left_m", "right_m", "own_left_m")})
     motion = planned(narrow, tracks(narrow, (14.0, -2.4, pi / 2.0, 1.2, 0.5, 0.5)))
-    crossed_s = (2.4 - 0.95 - 0.25) / 1.2
+    crossed_s = (2.4 + 0.95 + 0.25) / 1.2
     assert driven_m(motion, crossed_s) < 14.0 - 2.25 - 0.25
-    assert motion.speed_at(1.0) > 0.0 or driven_m(motion, 5.0) < 14.0
 
 
 def test_it_does_not_change_into_a_lane_in_which_somebody_comes_from_behind() -> None:
@@ -87,18 +86,20 @@ def test_it_does_not_change_into_a_lane_in_which_somebody_comes_from_behind() ->
     beside = ((6.0, d, 0.0, 0.0, *CAR) for d in (0.0, LANE_M))  # parked before the car and on its right
     fast = (-14.0, -LANE_M, 0.0, 12.0, *CAR)
     motion = planned(on, tracks(on, *((s + 9.0, d, *rest) for s, d, *rest in beside), fast), speed_mps=4.0)
-    assert motion.path_at(motion.s_at(1.0))[0] > -LANE_M + 1.9, "it is overtaken within 14 m / 8 m/s"
+    assert motion.path_at(motion.s_at(2.0))[0] > -LANE_M + 1.9, "it is overtaken from 1.2 to 2.3 s"
 
 
 def test_it_keeps_out_of_oncoming_lanes() -> None:
+    """It passes a parked car on the narrower side."""
     on = road(oncoming_lanes=1)
-    motion = planned(on, tracks(on, (60.0, -LANE_M, pi, 8.0, *CAR)))
-    assert motion.path.end_m[0] > -LANE_M / 2.0 + 0.5
+    motion = planned(on, tracks(on, (18.0, 0.6, 0.0, 0.0, *CAR)))
+    assert motion.path_at(18.0)[0] > 0.6 + 1.9
 
 
 def test_a_bend_is_driven_within_the_lateral_limit() -> None:
+    """A car that is asked to drive at 14 m/s, which would be 16 m/s^2."""
     on = road(1.0 / 12.0)
-    motion = planned(on, tracks(on))
+    motion = planner().plan(scene(on, tracks(on), reference_mps=14.0))
     lateral_mps2 = motion.speed_at(5.0) ** 2 / (12.0 - motion.path.end_m[0])
     assert lateral_mps2 < 1.05 * settings.load().limits.lateral_mps2
 
