@@ -10,7 +10,7 @@ from made_obstacles import obstacles
 
 from vpf_sim.scene.camera import road_of
 from vpf_sim.scene.measurements import of_obstacles, support
-from vpf_sim.types import Floats, RoadEdges
+from vpf_sim.types import RoadEdges
 
 CAMERA_M, SPEED_MPS = 0.8, 5.0
 CONFIG = driver_settings.scene().existence
@@ -23,19 +23,13 @@ def supported(
     sides_m: tuple[float, float] = (-0.4, 0.4),
     speed_mps: float = SPEED_MPS,
 ) -> float:
-    """The support of an obstacle by four points."""
-    told, seen = obstacles((forward_m, *sides_m)), points(np.full(4, points_m), height_m)
-    return float(support(told, seen, CAMERA_M, speed_mps, CONFIG)[0])
-
-
-def points(forward_m: Floats, height_m: float) -> Any:
-    """Well measured points in the middle of the road, none of which the flat road explains if they are high."""
-    count = len(forward_m)
-    chi2 = np.ones(count)
-    return SimpleNamespace(
-        depth_m=forward_m - CAMERA_M, right_m=np.zeros(count), height_m=np.full(count, height_m),
-        height_sigma_m=np.full(count, 0.02), chi2=chi2, chi2_ground=chi2 + 1e3 * height_m**2,
+    """The support of an obstacle by four well measured points; the flat road does not explain them if they are high."""
+    same = np.ones(4)
+    seen: Any = SimpleNamespace(
+        depth_m=(points_m - CAMERA_M) * same, right_m=0.0 * same, height_m=height_m * same,
+        height_sigma_m=0.02 * same, chi2=same, chi2_ground=(1.0 + 1e3 * height_m**2) * same,
     )  # fmt: skip
+    return float(support(obstacles((forward_m, *sides_m)), seen, CAMERA_M, speed_mps, CONFIG)[0])
 
 
 def test_points_above_the_road_speak_for_an_obstacle_and_paint_against_it() -> None:

@@ -18,13 +18,13 @@ def world_of(scenario: str) -> World:
     return build_world(load(scenario).draw(1), 1)
 
 
-def scene_of(world: World, time_s: float = 0.0) -> Scene:
+def scene_of(world: World) -> Scene:
     ego = world.ego
     setup = DriverSetup(
         Camera(), VehicleModel(), 60.0, 5.55, world.route.goal_m, 1, world.route.waypoints(), world.road
     )
     x, y = ego.position.tolist()
-    seen = Observation(NO_IMAGE, time_s, x, y, ego.heading, ego.speed, ego.yaw_rate_radps, world.route.goal_m)
+    seen = Observation(NO_IMAGE, 0.0, x, y, ego.heading, ego.speed, ego.yaw_rate_radps, world.route.goal_m)
     return TrueScene(setup).at(seen)
 
 
