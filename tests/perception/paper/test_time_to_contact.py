@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from driver_settings import ROBUST
+from flow_between import ORIGIN, flow_between
 
-from vpf_sim.perception.egomotion.focus_of_expansion import derotate
 from vpf_sim.perception.egomotion.ground_plane import past_image
-from vpf_sim.perception.paper.time_to_contact import as_printed, of_clusters, time_to_contact
+from vpf_sim.perception.paper.time_to_contact import as_printed, time_to_contact
 from vpf_sim.seeding import stream
 from vpf_sim.types import Camera, Expansion, Floats, Flow
 
@@ -24,20 +24,12 @@ def expansion(x_px: float = CAMERA.cx_px) -> Expansion:
 def flow_of(scene_m: Floats, gap_s: float = 0.1, turn_rad: float = 0.0, noise_px: float = 0.0) -> Flow:
     """Points (N, 3) in the axes of the car now, after a window driven straight, or on an arc of `turn_rad`."""
     count, way = len(scene_m), SPEED_MPS * gap_s
-    radius = way / turn_rad if turn_rad else np.inf
-    start = (
-        [-way, 0.0, 0.0]
-        if turn_rad == 0.0
-        else [-radius * np.sin(turn_rad), radius * (1 - np.cos(turn_rad)), -turn_rad]
-    )
-    past = np.tile(start, (count, 1))
-    now = past_image(CAMERA, scene_m, np.zeros((count, 3)), np.zeros(3))
-    before = past_image(CAMERA, scene_m, past, np.zeros(3))
+    past = np.array([-way, 0.0, 0.0])
+    if turn_rad:
+        past = np.array([-np.sin(turn_rad), 1.0 - np.cos(turn_rad), 0.0]) * way / turn_rad - [0.0, 0.0, turn_rad]
+    now, before = (past_image(CAMERA, scene_m, np.tile(pose, (count, 1)), ORIGIN) for pose in (ORIGIN, past))
     before = before + stream(3, "contact").normal(0.0, noise_px, (count, 2))
-    return Flow(
-        now, now - before, np.full(count, gap_s), past, np.zeros(3), np.arange(count), before, past,
-        np.full(count, 6), np.tile(np.eye(2), (count, 1, 1)),
-    )  # fmt: skip
+    return flow_between(now, before, past, gap_s=gap_s)
 
 
 def patch(distance_m: float, count: int = 40) -> Floats:
@@ -80,13 +72,10 @@ def test_a_turn_is_taken_out() -> None:
 def test_a_cluster_s_expansion_needs_no_focus_and_averages_the_noise() -> None:
     flow = flow_of(patch(12.0), noise_px=0.1)
     labels = np.zeros(len(flow), np.int64)
-    config = CONTACT
-    together = of_clusters(flow, derotate(flow, CAMERA), labels, config)[0]
+    together = time_to_contact(flow, expansion(), CAMERA, CONTACT, labels)
     assert together == pytest.approx(12.0 / SPEED_MPS, rel=0.1)
-    single = time_to_contact(flow, expansion(), CAMERA, config)
-    spread = np.median(np.abs(single - 12.0 / SPEED_MPS))
-    assert abs(together - 12.0 / SPEED_MPS) < spread
-    assert time_to_contact(flow, expansion(), CAMERA, config, labels) == pytest.approx(together)
+    single = time_to_contact(flow, expansion(), CAMERA, CONTACT)
+    assert abs(together[0] - 12.0 / SPEED_MPS) < np.median(np.abs(single - 12.0 / SPEED_MPS))
 
 
 def test_clusters_are_told_apart_and_small_ones_fall_back_to_their_points() -> None:
