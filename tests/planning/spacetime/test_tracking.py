@@ -19,14 +19,15 @@ FRONT_M = 0.5 * VEHICLE.length_m  # from the middle
 
 
 def driven(on: Road, motion: Motion, car: Bicycle, duration_s: float) -> np.ndarray:
-    """(N, 3) m: the rear axle's deviation from the path, s behind the plan, and the speed's error in m/s, by step."""
+    """(N, 5) by step: the rear axle's deviation from the path and s behind the plan, m, the speed's error, m/s, and
+    the front's place, m."""
     control, rows = Gtsmc(load_gains("motion"), VEHICLE, 60.0), []
     for _ in range(round(60.0 * duration_s)):
         seen = car.observe()
         s, d = rear_place(on, car)
-        rows.append(
-            (d - motion.path_at(s)[0], motion.s_at(seen.time_s) - s, motion.speed_at(seen.time_s) - car.speed_mps)
-        )
+        behind_m, slower_mps = motion.s_at(seen.time_s) - s, motion.speed_at(seen.time_s) - car.speed_mps
+        front = car.x_m + FRONT_M * cos(car.yaw_rad), car.y_m + FRONT_M * sin(car.yaw_rad)
+        rows.append((d - motion.path_at(s)[0], behind_m, slower_mps, *front))
         car.step(control.command(seen, reference(motion, on, seen, place(on, car.x_m, car.y_m), VEHICLE)))
     return np.array(rows)
 
@@ -49,7 +50,7 @@ def test_a_motion_around_an_obstacle_is_followed(speed_mps: float) -> None:
     on = road()
     motion = planned(on, ((3.5 * speed_mps + 4.0, 0.4, 0.0, 0.0, 4.5, 1.9),), speed_mps, speed_mps)
     assert abs(motion.path.end_m[0]) > 1.0
-    off, behind, _ = driven(on, motion, Bicycle(speed_mps=speed_mps), 3.5).T
+    off, behind, *_ = driven(on, motion, Bicycle(speed_mps=speed_mps), 3.5).T
     assert np.abs(off).max() < 0.12
     assert np.abs(behind).max() < 0.5
 
@@ -63,18 +64,14 @@ def test_the_front_is_where_the_motion_says_while_the_wheels_turn(speed_mps: flo
     x, y, heading = (plan.in_time(values)[0, 0, :12] for values in plan.poses)
     front = plan.origin_m[0] + x + FRONT_M * np.cos(heading), plan.origin_m[1] + y + FRONT_M * np.sin(heading)
     assert np.ptp(front[1]) > 1.0
-    car, control, driven_m = Bicycle(speed_mps=speed_mps), Gtsmc(load_gains("motion"), VEHICLE, 60.0), []
-    for _ in range(180):
-        seen = car.observe()
-        driven_m.append((car.x_m + FRONT_M * cos(car.yaw_rad), car.y_m + FRONT_M * sin(car.yaw_rad)))
-        car.step(control.command(seen, reference(motion, on, seen, place(on, car.x_m, car.y_m), VEHICLE)))
-    np.testing.assert_allclose(np.interp(front[0], *np.array(driven_m).T), front[1], atol=0.12)
+    *_, x_m, y_m = driven(on, motion, Bicycle(speed_mps=speed_mps), 3.0).T
+    np.testing.assert_allclose(np.interp(front[0], x_m, y_m), front[1], atol=0.12)
 
 
 @pytest.mark.parametrize("speed_mps", [3.0, 8.0, 25.0])
 def test_a_deviation_decays_without_overshoot(speed_mps: float) -> None:
     on = road()
-    off, _, _ = driven(on, planned(on, (), speed_mps, speed_mps), Bicycle(y_m=0.4, speed_mps=speed_mps), 5.0).T
+    off, *_ = driven(on, planned(on, (), speed_mps, speed_mps), Bicycle(y_m=0.4, speed_mps=speed_mps), 5.0).T
     assert abs(off[-1]) < 0.03
     assert off.min() > -0.08
 
@@ -94,7 +91,7 @@ def test_the_planned_stop_is_kept_and_the_car_held() -> None:
     motion = planned(on, wall, 5.5, 5.5)
     assert motion.speed_at(4.9) == 0.0
     car = Bicycle()
-    _, behind, slower = driven(on, motion, car, 5.0).T
+    _, behind, slower, *_ = driven(on, motion, car, 5.0).T
     assert car.speed_mps == 0.0
     assert np.abs(behind).max() < 0.3
     assert np.abs(slower).max() < 0.5
