@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import count
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from vpf_sim.seeding import stream
 from vpf_sim.types import Obstacles
 
 SPEED_MPS, LOOKS_HZ = 5.55, 10.0
+STEP_M = SPEED_MPS / LOOKS_HZ
 TRACKS = static_obstacles().low_tracks
 GAIN = 12.0  # of a clear observation
 
@@ -25,26 +27,27 @@ def tracks(
     return LowObstacleTracks(config, number, near_m, static_obstacles().behind_m)
 
 
-def recorded(places_m: list[float], speed_mps: float = SPEED_MPS) -> list[Obstacles]:
+def recorded(
+    places_m: list[float], speed_mps: float = SPEED_MPS, config: LowTrackConfig = TRACKS, gain: float = GAIN
+) -> list[Obstacles]:
     """Confirmed tracks after each observation so far ahead, one each 0.1 s, straight on."""
-    numbers = iter(range(5))
-    book, found = tracks(TRACKS, lambda: next(numbers)), []
+    numbers, found = count(), list[Obstacles]()
+    book = tracks(config, lambda: next(numbers))
     for k, place in enumerate(places_m):
         pose = np.array([k * speed_mps / LOOKS_HZ, 0.0, 0.0])
-        book.record([LowObservation(place, -0.4, 0.4, GAIN)] if np.isfinite(place) else [], pose)
+        book.record([LowObservation(place, -0.4, 0.4, gain)] if np.isfinite(place) else [], pose)
         found.append(book.bodies(pose))
     return found
 
 
 def test_a_track_is_confirmed_when_it_stays_in_the_world() -> None:
-    step = SPEED_MPS / LOOKS_HZ
-    found = recorded([12.0 - k * step for k in range(6)] + [np.nan] * 30)
+    found = recorded([12.0 - k * STEP_M for k in range(6)] + [np.nan] * 30)
     assert [len(bodies) for bodies in found[:4]] == [0, 0, 1, 1]
     last = found[20]
-    assert last.forward_m[0] == pytest.approx(12.0 - 20 * step)
+    assert last.forward_m[0] == pytest.approx(12.0 - 20 * STEP_M)
     assert (last.left_m[0], last.right_m[0]) == pytest.approx((-0.4, 0.4))
     assert {int(name) for bodies in found for name in bodies.identity} == {0}
-    assert len(recorded([12.0 - k * step for k in range(6)] + [np.nan] * 40)[-1]) == 0, "pruned once passed"
+    assert len(recorded([12.0 - k * STEP_M for k in range(6)] + [np.nan] * 40)[-1]) == 0, "pruned once passed"
 
 
 @pytest.mark.parametrize("bend_per_m", [-0.07, 0.0, 0.07])
@@ -71,33 +74,27 @@ def test_a_drop_that_moves_with_the_car_is_never_confirmed(speed_mps: float) -> 
 @pytest.mark.parametrize(("height_m", "confirmed"), [(0.0, True), (0.9, False)])
 def test_a_track_that_approaches_by_less_than_the_way_is_a_mirror_image(height_m: float, confirmed: bool) -> None:
     """The image of a point 0.9 m high at D lies on the road at D h / (h + 0.9), with h of the camera."""
-    book, height, numbers = tracks(TRACKS, lambda: next(numbers)), 1.4, iter(range(9))
-    share = height / (height + height_m)
-    for way in np.arange(0.0, 8.0, SPEED_MPS / LOOKS_HZ).tolist():
-        pose = np.array([way, 0.0, 0.0])
-        book.record([LowObservation(0.8 + share * (14.0 / share - way), -0.4, 0.4, GAIN)], pose)
-    assert (len(book.bodies(pose)) > 0) == confirmed
+    share = 1.4 / (1.4 + height_m)
+    found = recorded([0.8 + share * (14.0 / share - way) for way in np.arange(0.0, 8.0, STEP_M).tolist()])
+    assert (len(found[-1]) > 0) == confirmed
 
 
 @pytest.mark.parametrize(("gain", "looks"), [(6.0, 6), (12.0, 3), (60.0, 2)])
 def test_the_fainter_an_obstacle_the_more_observations_it_takes(gain: float, looks: int) -> None:
-    book, step = tracks(replace(TRACKS, way_m=0.5)), SPEED_MPS / LOOKS_HZ
-    for k in range(looks):
-        pose = np.array([k * step, 0.0, 0.0])
-        assert not len(book.bodies(pose))
-        book.record([LowObservation(12.0 - k * step, -0.4, 0.4, gain)], pose)
-    assert len(book.bodies(pose)) == 1
+    found = recorded([12.0 - k * STEP_M for k in range(looks)], config=replace(TRACKS, way_m=0.5), gain=gain)
+    assert [len(bodies) for bodies in found] == [0] * (looks - 1) + [1]
 
 
 @pytest.mark.parametrize(("flashes", "hits"), [(0, 3), (2, 7)])
 def test_in_clutter_a_track_takes_more_observations(flashes: int, hits: int) -> None:
-    rng, numbers = stream(33, "flashes"), iter(range(50))
-    book, step = tracks(TRACKS, lambda: next(numbers)), SPEED_MPS / LOOKS_HZ
+    rng, numbers = stream(33, "flashes"), count()
+    book = tracks(TRACKS, lambda: next(numbers))
     for k in range(60):
         seen = [LowObservation(float(place), -2.4, -2.0, GAIN) for place in rng.uniform(7.0, 30.0, flashes)]
         if k >= 40:
-            seen.append(LowObservation(13.0 - (k - 40) * step, 0.6, 1.4, GAIN))
-        book.record(seen, np.array([k * step, 0.0, 0.0]))
-        if np.any(book.bodies(np.array([k * step, 0.0, 0.0])).right_m > 1.0):
+            seen.append(LowObservation(13.0 - (k - 40) * STEP_M, 0.6, 1.4, GAIN))
+        pose = np.array([k * STEP_M, 0.0, 0.0])
+        book.record(seen, pose)
+        if np.any(book.bodies(pose).right_m > 1.0):
             break
     assert k - 40 + 1 == hits

@@ -56,13 +56,6 @@ def test_neither_asphalt_nor_ends_of_dashes_make_a_pallet(texture: float, report
     assert (first_gap_m(approach(pallet(0.3), structure=texture * np.eye(2))) > 4.0) == reported
 
 
-def test_points_on_a_line_are_ignored() -> None:
-    """The ends of a dash, which slide along it and seem to stand."""
-    scene = pallet(0.0)
-    scene[:, 1] = 1.75 + 0.1 * scene[:, 1]  # the line right of the ego's lane
-    assert first_gap_m(approach(scene)) == -np.inf
-
-
 @pytest.mark.parametrize(("share", "reported"), [(0.1, False), (1.0, True)])
 def test_points_placed_on_a_line_are_ignored_wherever_their_ray_meets_the_road(share: float, reported: bool) -> None:
     """Rays of points 0.15 m above a line that is 5.25 m aside meet the road 0.63 m beside it. A pallet sticks out."""

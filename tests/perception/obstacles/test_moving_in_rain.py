@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 from driver_settings import moving_obstacles
-from test_moving_tracker import Contrasted, Seen, vehicle
+from test_moving_tracker import Contrasted, Seen, believed, vehicle
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, tracker
 
 from vpf_sim.perception.obstacles.moving.detection import MeasuredPoints, measure
 from vpf_sim.perception.obstacles.moving.mirror import MirrorImages, faint_contrast
-from vpf_sim.perception.obstacles.moving.track import Detection, MovingTrack
 from vpf_sim.seeding import stream
 from vpf_sim.types import Floats, Flow
 
@@ -69,8 +68,7 @@ def test_a_confirmed_track_moves_less_to_a_farther_foot_than_a_tentative_one() -
     pose = np.zeros(3)
 
     def moved(foot_m: float, identity: int | None) -> float:
-        track = MovingTrack(Detection(14.0, 3.0, 0.5, -1.0, 1.0), CAMERA, pose, 0.0, moving_obstacles().filter)
-        track.identity = identity
+        track = believed((14.0, -1.0, 1.0), 3.0, pose, identity)
         for _ in range(10):
             track.update_range(foot_m, SPEED_MPS, pose, 0.05)
         return (track.depth_m(pose) - 14.0) / (foot_m - 14.0)
@@ -88,7 +86,8 @@ def test_the_flank_of_a_passed_vehicle_is_masked(depth_m: float, side: float) ->
     flank = np.column_stack([CAMERA.forward_m + along, np.full(24, side * 2.3), np.tile([0.3, 0.7, 1.1], 8)])
     drive, seen = wet((flank, 0.0, 1.0), (flank * [1.0, -1.0, 1.0], 0.0, 1.0)), Seen()
     flow = last_of(drive, 10)
-    seen.moving.tracks.append(confirmed(depth_m, side * 3.3, flow.pose))
+    place_m = depth_m, side * 3.3 - 1.0, side * 3.3 + 1.0
+    seen.moving.tracks.append(believed(place_m, 3.0, flow.pose, 1, 6.0, 0.1))
     moving = seen.moving.update(flow, seen.static.triangulate(flow), drive.road, SPEED_MPS, 9 / RATE_HZ)
     place = drive.scene[flow.identity] - [*flow.pose[:2], 0.0]
     beside = (flow.identity < 48) & (place[:, 0] - CAMERA.forward_m > 1.0)
@@ -103,41 +102,28 @@ def test_the_flank_of_a_passed_vehicle_is_masked(depth_m: float, side: float) ->
 def test_a_track_at_our_own_place_masks_nothing(depth_m: float) -> None:
     drive, seen = wet(), Seen()
     flow = last_of(drive, 10)
-    seen.moving.tracks.append(confirmed(depth_m, 0.3, flow.pose))
+    seen.moving.tracks.append(believed((depth_m, -0.7, 1.3), 3.0, flow.pose, 1, 6.0, 0.1))
     assert not seen.moving.update(flow, seen.static.triangulate(flow), drive.road, SPEED_MPS, 9 / RATE_HZ).any()
 
 
-def confirmed(depth_m: float, right_m: float, pose: Floats) -> MovingTrack:
-    """A body that is sure to drive there at 3 m/s."""
-    track = MovingTrack(
-        Detection(depth_m, 3.0, 0.1, right_m - 1.0, right_m + 1.0), CAMERA, pose, 6.0, moving_obstacles().filter
-    )
-    track.identity = 1
-    return track
-
-
 @pytest.mark.parametrize(
-    ("speed_mps", "right_m", "is_on_road"),
-    [(3.0, 0.3, True), (3.0, 2.8, False), (3.0, -4.5, False), (4.6, 0.3, False), (6.0, 0.3, False)],
+    ("depth_m", "speed_mps", "right_m", "counts_less"),
+    [
+        (18.0, 3.0, 0.3, True),
+        *((18.0, *others, False) for others in ((3.0, 2.8), (3.0, -4.5), (4.6, 0.3), (6.0, 0.3))),
+        pytest.param(5.0, 3.0, 0.0, False, id="a near track is not compared with its image"),
+    ],
 )
 def test_contrast_counts_less_where_the_mirrored_object_would_stand_on_the_road(
-    speed_mps: float, right_m: float, is_on_road: bool
+    depth_m: float, speed_mps: float, right_m: float, counts_less: bool
 ) -> None:
     """A body at 18 m is the image of what stands 18 / (1 - v_b / v) m off: 39 m at 3 m/s, 105 m at 4.6, none faster."""
     images, contrast = MirrorImages(CAMERA, moving_obstacles(), 0.05), moving_obstacles().evidence.contrast
-    sight = Detection(18.0, speed_mps, 0.5, right_m - 1.0, right_m + 1.0)
-    track = MovingTrack(sight, CAMERA, np.zeros(3), 0.0, moving_obstacles().filter)
+    track = believed((depth_m, right_m - 1.0, right_m + 1.0), speed_mps, np.zeros(3))
     for image in (-1.2, -2.5):  # above and below what asphalt is
-        others = faint_contrast(1.0, 18.0, contrast)
-        expected = max(image, faint_contrast(0.0, 18.0, contrast)) if is_on_road else others
+        wet_limit, dry_limit = (faint_contrast(mirror, depth_m, contrast) for mirror in (1.0, 0.0))
+        expected = max(image, dry_limit) if counts_less else wet_limit
         assert images.faint(track, image, SPEED_MPS, np.zeros(3), wet().road) == pytest.approx(expected)
-
-
-def test_near_tracks_are_not_compared_with_their_image() -> None:
-    images, contrast = MirrorImages(CAMERA, moving_obstacles(), 0.05), moving_obstacles().evidence.contrast
-    near = MovingTrack(Detection(5.0, 3.0, 0.5, -1.0, 1.0), CAMERA, np.zeros(3), 0.0, moving_obstacles().filter)
-    limit = images.faint(near, -2.5, SPEED_MPS, np.zeros(3), wet().road)
-    assert limit == pytest.approx(faint_contrast(1.0, 5.0, contrast))
 
 
 def apparent(drive: Contrasted, frames: int) -> MeasuredPoints:

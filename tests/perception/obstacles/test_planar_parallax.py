@@ -1,9 +1,12 @@
 """Planar parallax on drawn roads with a plate on, in or under them."""
 
+from itertools import count
+
 import cv2
 import numpy as np
 import pytest
 from driver_settings import static_obstacles
+from made_obstacles import obstacles
 from plated_road import CAMERA, PLATE_M, frame
 
 from vpf_sim.geometry import rotation
@@ -11,7 +14,7 @@ from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation
 from vpf_sim.perception.obstacles.planar_parallax.tracker import LowObstacleTracks
 from vpf_sim.perception.road.occlusion import footprints
 from vpf_sim.seeding import stream
-from vpf_sim.types import Floats, Image, Obstacles, RoadEdges
+from vpf_sim.types import Floats, Image, RoadEdges
 
 SPEED_MPS, LOOKS_HZ = 5.55, 10.0
 BUMPER_M = 2.25
@@ -51,20 +54,20 @@ def test_a_flat_plate_is_detected_where_it_lies() -> None:
 
 def reliefs(height_m: float, left_m: float, right_m: float) -> list[float]:
     """Of a face at the plate's distance, on the way to 4.5 m before it."""
-    residual, found, one = PlanarParallax(CAMERA, CONFIG, LOOKS_HZ), [], np.ones(1)
+    residual, found = PlanarParallax(CAMERA, CONFIG, LOOKS_HZ), []
     for forward in np.arange(10.0, PLATE_M[0, 0] - BUMPER_M - 4.5, SPEED_MPS / LOOKS_HZ).tolist():
         residual.update(frame(forward, height_m), np.array([forward, 0.0, 0.0]))
-        face = (PLATE_M[0, 0] - forward) * one
-        found += residual.relief(Obstacles(face, left_m * one, right_m * one, one, one, np.array([1]))).tolist()
+        found += residual.relief(obstacles((PLATE_M[0, 0] - forward, left_m, right_m))).tolist()
     return [value for value in found if not np.isnan(value)]
 
 
 def test_what_is_painted_has_no_relief_and_what_lies_on_the_road_has() -> None:
     """A plate, paint as bright, and the asphalt beside it."""
+    paint = reliefs(0.0, -0.2, 0.6)
     assert np.median(reliefs(0.15, -0.2, 0.6)) > 0.1
-    assert np.median(reliefs(0.0, -0.2, 0.6)) < -0.5
+    assert np.median(paint) < -0.5
     assert np.abs(reliefs(0.0, -1.8, -0.9)).max() < 0.1
-    assert len(reliefs(0.0, -0.2, 0.6)) >= 12, "in each comparison from 15 to 7 m"
+    assert len(paint) >= 12, "in each comparison from 15 to 7 m"
 
 
 @pytest.mark.parametrize(("aside_m", "turn_radpm"), [(-2.6, 0.0), (3.0, 0.0), (-2.0, 0.05)])
@@ -81,22 +84,17 @@ def test_a_plate_in_the_next_lane_or_in_a_swerve_is_detected_alone(aside_m: floa
     assert on_plate >= 3
 
 
-@pytest.mark.parametrize(("height_m", "places_m"), [(0.15, [PLATE_M[0, 0]]), (0.0, [])])
-def test_drops_on_the_windscreen_are_not_confirmed_and_hide_no_plate(height_m: float, places_m: list[float]) -> None:
-    numbers = iter(range(99))
+@pytest.mark.parametrize(
+    ("height_m", "rain"), [(0.15, False), (0.15, True), (0.0, False), (0.0, True), (-0.15, False), (-1.4, False)]
+)
+def test_only_a_plate_above_the_road_is_confirmed(height_m: float, rain: bool) -> None:
+    """Paint as bright as the plate and its mirror image are not, nor drops on the windscreen, which hide no plate."""
+    numbers = count()
     tracks = LowObstacleTracks(TRACKS, lambda: next(numbers), CONFIG.near_m, 11.0)
-    for pose, observations in looks(height_m, rain=True):
+    for pose, observations in looks(height_m, rain=rain):
         tracks.record(observations, pose)
+    places_m = [PLATE_M[0, 0]] if height_m > 0.0 else []
     assert (tracks.bodies(pose).forward_m + pose[0]).tolist() == pytest.approx(places_m, abs=1.1)
-
-
-@pytest.mark.parametrize(("height_m", "bodies"), [(0.15, 1), (0.0, 0), (-0.15, 0), (-1.4, 0)])
-def test_only_a_plate_above_the_road_is_confirmed(height_m: float, bodies: int) -> None:
-    """Paint as bright as the plate and its mirror image are not."""
-    book = LowObstacleTracks(TRACKS, lambda: 7, CONFIG.near_m, 11.0)
-    for pose, observations in looks(height_m):
-        book.record(observations, pose)
-    assert len(book.bodies(pose)) == bodies
 
 
 def test_the_direction_of_travel_in_the_world_does_not_matter() -> None:
@@ -120,11 +118,9 @@ def test_a_known_obstacle_is_left_out_with_what_it_hides_only(
     left_m: float, right_m: float, ahead_m: float, seen: bool
 ) -> None:
     """The plate lies from 0.2 m left to 0.6 m right."""
-    residual, found, one = PlanarParallax(CAMERA, CONFIG, LOOKS_HZ), False, np.ones(1)
+    residual, found = PlanarParallax(CAMERA, CONFIG, LOOKS_HZ), False
     for forward in np.arange(10.0, PLATE_M[0, 0] - BUMPER_M - 6.5, SPEED_MPS / LOOKS_HZ).tolist():
-        face = PLATE_M[0, 0] - forward - ahead_m
-        body = Obstacles(face * one, left_m * one, right_m * one, 0.1 * one, one, np.array([1]))
-        known = footprints(body, STRAIGHT)
+        known = footprints(obstacles((PLATE_M[0, 0] - forward - ahead_m, left_m, right_m)), STRAIGHT)
         found |= bool(residual.update(frame(forward, 0.15), np.array([forward, 0.0, 0.0]), known))
     assert found is seen
 
