@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 
-import cv2
 import numpy as np
 import pytest
 from driver_settings import ROBUST
 from road_picture import RoadPicture
 
+from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.perception.road.hypotheses import CarriagewayHypotheses
 from vpf_sim.perception.road.model import CURVATURES, seen_places, state_of
@@ -51,7 +51,7 @@ def test_a_lost_road_is_found_again_in_the_lane_in_which_it_was_left() -> None:
     for i in range(100):
         pose = known.pose(i * SPEED_MPS / RATE_HZ, -1.75, 0.0)
         frame = known.draw(pose, i) if i < 8 else blank if i < 90 else endless.draw(pose, i)
-        edges = tracker.update(frame, cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), pose, SPEED_MPS, 0.0, None)
+        edges = tracker.update(frame, grey(frame), pose, SPEED_MPS, 0.0, None)
         assert edges.right_m == pytest.approx(8.75, abs=0.3)
         if i == 89:
             assert edges.confidence == 0.0
@@ -64,7 +64,7 @@ def test_a_road_that_is_believed_elsewhere_is_given_up_and_found_again_in_its_la
     for i in range(60):
         pose = road.pose(i * SPEED_MPS / RATE_HZ, place, 0.0)
         frame = road.draw(pose + np.array([0.0, 0.0, 0.12 if i < 15 else 0.0]), i)
-        edges = tracker.update(frame, cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), pose, SPEED_MPS, 0.0, None)
+        edges = tracker.update(frame, grey(frame), pose, SPEED_MPS, 0.0, None)
         if i == 14:
             assert edges.heading_rad == pytest.approx(-0.12, abs=0.02)
     assert edges.heading_rad == pytest.approx(0.0, abs=0.01)
@@ -84,14 +84,13 @@ def test_the_lane_is_known_where_water_hides_half_of_all_lines(lane: int) -> Non
     for i in range(25):
         pose = whole.pose(i * SPEED_MPS / RATE_HZ, place, 0.0)
         frame = np.where(hidden[i][:, None, None], bare.draw(pose, i), whole.draw(pose, i))
-        edges = tracker.update(frame, cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), pose, SPEED_MPS, 0.0, None)
+        edges = tracker.update(frame, grey(frame), pose, SPEED_MPS, 0.0, None)
     assert edges.right_m == pytest.approx(7.0 - place, abs=0.3)
 
 
 def test_a_lane_is_left_at_once_in_the_beginning_and_later_only_for_lasting_evidence() -> None:
     most = CONFIG.hypotheses.lasting.most
-    index = CarriagewayHypotheses.start(4, 2, CONFIG.hypotheses)
-    assert index.is_lasting(2)
+    assert CarriagewayHypotheses.start(4, 2, CONFIG.hypotheses).is_lasting(2)
     index = CarriagewayHypotheses.start(4, 2, CONFIG.hypotheses)
     assert not any(index.is_lasting(None) for _ in range(200))
     assert not any(index.is_lasting(1) for _ in range(most - 1))
