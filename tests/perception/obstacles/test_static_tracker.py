@@ -9,7 +9,7 @@ import pytest
 from driver_settings import static_obstacles
 from tracked_points import CAMERA, RATE_HZ, SPEED_MPS, WINDOW_PX, Drive, body, road_points, tracker
 
-from vpf_sim.geometry import vehicle_from_world, wrap_angle
+from vpf_sim.geometry import rotation, vehicle_from_world, wrap_angles
 from vpf_sim.perception.obstacles.obstacle_clusters import ObstacleClusters
 from vpf_sim.perception.obstacles.planar_parallax.detector import LowObservation
 from vpf_sim.perception.obstacles.point_hypotheses import PointHypotheses
@@ -196,22 +196,17 @@ def test_two_obstacles_in_a_row_stay_two() -> None:
 def test_the_same_scene_turned_and_moved_in_the_world_gives_the_same_obstacles() -> None:
     """The tracker knows poses only by their differences."""
     angle, shift = 2.4, np.array([300.0, -120.0])
-    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
     def place(poses: Floats) -> Floats:
-        yaw = np.array([wrap_angle(float(value)) for value in np.atleast_1d(poses[..., 2] + angle)])
-        return np.concatenate([poses[..., :2] @ turn.T + shift, yaw.reshape((*poses.shape[:-1], 1))], axis=-1)
+        place_m, yaw_rad = poses[..., :2] @ rotation(angle).T + shift, wrap_angles(poses[..., 2:] + angle)
+        return np.concatenate([place_m, yaw_rad], axis=-1)
 
     drive = Drive(np.concatenate([body(40.0, 0.5, 1.8, 1.4, 10), road_points(100)]))
     here, there = tracker(), tracker()
     for frame in range(330):
         flow = drive.flow(frame)
-        turned = Flow(
-            *(
-                place(getattr(flow, name)) if name in ("pose", "past_pose", "first_pose") else getattr(flow, name)
-                for name in Flow.__slots__
-            )
-        )
+        poses = {name: place(getattr(flow, name)) for name in ("pose", "past_pose", "first_pose")}
+        turned = replace(flow, **poses)
         a, b = (
             one.update(seen, drive.road, SPEED_MPS, frame / RATE_HZ, one.triangulate(seen))
             for one, seen in ((here, flow), (there, turned))
