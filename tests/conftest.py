@@ -1,15 +1,21 @@
-"""Tests run side by side: OpenCV has one thread, and worker processes start where a test needs them."""
+"""Tests run side by side: OpenCV has one thread, and worker processes start where a test needs them.
+
+Examples of properties are the same in each run, and none is too slow: a busy machine is no fault.
+"""
 
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 from one_process import one_process
 from short_scenario import write_short
 
 from vpf_sim.system import limit_opencv
 
 limit_opencv()
+settings.register_profile("repeatable", deadline=None, derandomize=True)
+settings.load_profile("repeatable")
 
 
 @pytest.fixture

@@ -14,7 +14,6 @@ def check(examples: int, strategy: st.SearchStrategy[Any], holds: Callable[[Any]
     """Whether a property holds for that many examples: the same ones in every run of the fast tests."""
     chosen = settings(
         max_examples=examples,
-        deadline=None,
         database=None,
         derandomize=examples < 1000,
         suppress_health_check=list(HealthCheck),

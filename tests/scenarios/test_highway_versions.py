@@ -81,7 +81,7 @@ CONFIGS = {
 
 @pytest.mark.parametrize("name", CONFIGS)
 def test_any_value_of_the_keys_makes_a_world(name: str) -> None:
-    @settings(max_examples=12, deadline=None, derandomize=True)
+    @settings(max_examples=12)
     @given(config=CONFIGS[name], seed=st.integers(0, 99))
     def builds(config: dict[str, int], seed: int) -> None:
         made = world(name, seed, **config)
