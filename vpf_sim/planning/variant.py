@@ -75,10 +75,10 @@ class Variant:
             raise ValueError("[scene] needs [visibility]")
         if self.verges is not None:
             half_m = self.road_edges.half_width_m + self.road_edges.verge_m
-            for key, below_m in ("beside_m", half_m), ("surface_m", 0.2 * half_m):
-                if getattr(self.verges, key) >= below_m:
-                    got = getattr(self.verges, key)
-                    raise ValueError(f"verges.{key}: expected less than {below_m:g}, by the patch's width, got {got:g}")
+            for key, share in ("beside_m", 0.9), ("surface_m", 0.2), ("column_m", 0.1), ("on_verge_m", 0.2):
+                if (got := getattr(self.verges, key)) > share * half_m:
+                    expected = f"at most {share * half_m:g}, {share:g} of half the patch's width"
+                    raise ValueError(f"verges.{key}: expected {expected}, got {got:g}")
 
 
 SECTIONS = [key for key, hint in keys(Variant).items() if sections(hint)]

@@ -18,6 +18,7 @@ from vpf_sim.perception.egomotion.flow import grey
 from vpf_sim.perception.road.birds_eye import BirdsEye
 from vpf_sim.perception.road.edge_tracker import RoadEdgeTracker
 from vpf_sim.perception.road.hypotheses import CarriagewayHypotheses
+from vpf_sim.perception.road.line_matcher import BY_LINES
 from vpf_sim.perception.road.model import moved, seen_lines, seen_places, state_of
 from vpf_sim.perception.road.obstacle_mask import hidden_by
 from vpf_sim.types import Bools, Camera, Floats, Obstacles, RoadEdges
@@ -171,7 +172,7 @@ def test_where_a_road_is_known_a_guess_whose_lines_lead_far_from_it_is_none(off_
     tracker.update(frame, grey(frame), pose, SPEED_MPS, 0.0, None)
     features = tracker.matcher.features(frame, grey(frame), None, 0.0)
     guess = state_of(1.75 - 5.0 * off_rad, off_rad, 0.0, 3.5)
-    settled = tracker.settled(guess, features, tracker.config.first_guess.sigma_m)
+    settled = tracker.settled(guess, features, tracker.config.first_guess.sigma_m, BY_LINES)
     assert (settled is not None) == found
     if settled is not None:
         assert settled.state[1] == pytest.approx(0.0, abs=0.01)
@@ -188,6 +189,7 @@ def test_without_any_line_it_is_the_likely_lane_and_says_so() -> None:
 
 
 def test_two_lines_are_no_four_lane_road() -> None:
+    """By the lines alone: verges make the course certain, and with it the lanes, of which nothing is seen."""
     *_, (last, _) = follow(RoadPicture(Camera(), lane_width_m=14.0), 1.75, 0.0, 5, verges=None)
     assert last.confidence < 0.5
 

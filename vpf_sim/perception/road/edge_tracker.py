@@ -7,7 +7,7 @@ import numpy as np
 from vpf_sim.geometry import rotation, wrap_angle
 from vpf_sim.perception.road.birds_eye import BirdsEye
 from vpf_sim.perception.road.hypotheses import CarriagewayHypotheses
-from vpf_sim.perception.road.line_matcher import LineMatcher, Match
+from vpf_sim.perception.road.line_matcher import BY_ANY, BY_LINES, LineMatcher, Match
 from vpf_sim.perception.road.markings import RidgeMap, RoadFeatures, comb
 from vpf_sim.perception.road.model import PITCH, WIDTH, curvature_ahead, state_of
 from vpf_sim.perception.road.road_settings import RefutationConfig, RoadEdgeConfig, VergeConfig
@@ -17,15 +17,15 @@ from vpf_sim.types import Camera, Floats, Image, Obstacles, RoadEdges
 
 
 @dataclass(slots=True)
-class Refutation:
-    """Whether the road has been seen elsewhere than expected for long enough."""
+class Absence:
+    """Whether what is expected has not been seen for long enough."""
 
     config: RefutationConfig
-    frames: int = 0  # since it was last where expected
-    agreed_m: float = 0.0  # travelled then
+    frames: int = 0  # since it was last seen
+    agreed_m: float = 0.0  # travelled until then
 
     def add(self, agrees: bool, travelled_m: float) -> None:
-        """A frame in which it is where expected, or not."""
+        """A frame in which it is seen where expected, or not."""
         self.frames = 0 if agrees else self.frames + 1
         self.agreed_m = travelled_m if agrees else self.agreed_m
 
@@ -56,7 +56,7 @@ class RoadEdgeTracker:
         self._pose: Floats | None = None
         self._travelled_m, self._judged_m = 0.0, 0.0  # m, now and at the last judgement
         self._frame = -1
-        self._refuted, self._unpainted = Refutation(config.refutation), Refutation(config.refutation)
+        self._refuted, self._unpainted = Absence(config.refutation), Absence(config.refutation)
         self._pitch_rad: float | None = None  # of the camera against the road, at the last correction
         self._pitch_frame = -1  # of that correction
 
@@ -77,9 +77,8 @@ class RoadEdgeTracker:
         search = search and (self._is_lost or self._unpainted.holds(self._travelled_m))
         if search or (update and not self._is_lost):
             features = self.matcher.features(image_rgb, grey, obstacles, self._pitch_rad or 0.0)
-            if search or self._road is None:
-                self._find(image_rgb, features)
-            else:
+            is_found = search and self._find(image_rgb, features)
+            if self._road is not None and not is_found and not self._is_lost and update:
                 has_moved = self._travelled_m >= self._judged_m + self.config.new_road_m
                 if self._correct(self._road, features, judge) and judge and has_moved:
                     self._judge(self._road, image_rgb, features.ridges)
@@ -116,7 +115,7 @@ class RoadEdgeTracker:
     def _correct(self, tracked: LaneFilter, features: RoadFeatures, judge: bool) -> bool:
         """Whether lines and verges about their predicted places corrected the state; the road may be lost."""
         match = self.matcher.correct(tracked, features, self._index.numbers)
-        corrected = match in {Match.LINES, Match.VERGES}
+        corrected = match in BY_ANY
         if judge and corrected:
             self.matcher.update_verges(tracked, features)
         if match is not Match.LITTLE:
@@ -131,16 +130,16 @@ class RoadEdgeTracker:
             self._pitch_rad, self._pitch_frame = float(tracked.state[PITCH]), self._frame
         return corrected
 
-    def _find(self, image_rgb: Image, features: RoadFeatures) -> None:
+    def _find(self, image_rgb: Image, features: RoadFeatures) -> bool:
         """Track the road that explains most ridges: about the known road, or in any lane where none is known.
 
-        Verges show where a lost road leads, but not the place of its lines: that takes paint.
+        Whether one was found. Verges show where a lost road leads, but not the place of its lines: that takes paint.
         """
         config, known = self.config, self._road if self._is_known(self._road) else None
         if known is not None and abs(known.state[1]) > config.comb.headings_rad[-1]:
             known = None
         if known is None and not self._is_lost:
-            return
+            return False
         widths = config.widths_m if known is None or not config.keeps_width else known.state[[WIDTH]]
         found = comb(
             features.ridges,
@@ -152,34 +151,39 @@ class RoadEdgeTracker:
             steps=features.steps,
             beside_m=0.0 if self.matcher.verges is None else self.matcher.verges.config.beside_m,
         )
-        is_painted = found.painted >= config.least_comb
-        if not is_painted and (known is None or not self._is_lost or found.score < config.least_comb):
-            return
-        place, sigma_m = found.y % found.width, config.first_guess.sigma_m
         if known is None:
             self._index = CarriagewayHypotheses.start(config.lanes, config.likely_lane, config.hypotheses)
-        elif is_painted:
+        place, road = found.y % found.width, None
+        if known is not None:
             place = found.y + found.width * round((known.state[0] - found.y) / found.width)
-        else:
-            place, sigma_m = float(known.state[0]), known.sigma_m
-        guess = state_of(place, found.heading, found.curvature, found.width)
-        guess[PITCH] = self._pitch_rad or 0.0
-        road = self.settled(guess, features, sigma_m)
+        if found.painted >= config.least_comb:
+            guess = state_of(place, found.heading, found.curvature, found.width)
+            road = self.settled(guess, features, config.first_guess.sigma_m, BY_LINES)
+        is_led = features.steps is not None and self._is_lost and found.score >= config.least_comb
+        if road is None and is_led and known is not None and known.sigma_m < config.lost_sigma_m:
+            guess = state_of(float(known.state[0]), found.heading, found.curvature, float(known.state[WIDTH]))
+            road = self.settled(guess, features, max(known.sigma_m, config.first_guess.sigma_m), BY_ANY)
         if road is not None:
             self._follow(road)
             self._judge(road, image_rgb, features.ridges)
         elif self._is_lost:
             self._road = known
+        return road is not None
 
-    def settled(self, guess: Floats, features: RoadFeatures, sigma_m: float) -> LaneFilter | None:
-        """The road about a first guess; None without visible lines, or where these turn a known road.
+    def settled(
+        self, guess: Floats, features: RoadFeatures, sigma_m: float, accepted: frozenset[Match]
+    ) -> LaneFilter | None:
+        """The road about a first guess; None where not what is accepted shows it, or turns a known road.
 
         An unknown road may turn: some bends are tighter than any guess.
         """
         first, check = self.config.first_guess, self.config.guess_check
         pitch_sigma_rad = first.mounted_rad if self._pitch_rad is None else first.pitched_rad
-        found = self.matcher.settle(guess, features, self._index.numbers, sigma_m, pitch_sigma_rad)
-        if found is None or abs(found.state[1] - guess[1]) <= check.turned_rad:
+        guess[PITCH] = self._pitch_rad or 0.0
+        found, match = self.matcher.settle(guess, features, self._index.numbers, sigma_m, pitch_sigma_rad)
+        if match not in accepted:
+            return None
+        if abs(found.state[1] - guess[1]) <= check.turned_rad:
             return found
         return None if self._is_known(self._road) else found
 

@@ -164,7 +164,7 @@ class CarriagewayHypotheses:
 
 
 def _verge_evidence(number: float, state: Floats, config: HypothesesConfig) -> Floats:
-    """(H,) by a verge: the carriageway ends before it, be it far, as beside a paved shoulder."""
+    """(H,) by a verge: no edge lies beyond it. How far before it does not matter, as beside a paved shoulder."""
     outermost = RIGHT if number > 0.0 else FAR
     gap_m = np.sign(number) * (state[VERGE[number]] - outermost * state[WIDTH])
     return np.where(gap_m > -config.line_reach_m, 0.0, np.log(config.off_verge))

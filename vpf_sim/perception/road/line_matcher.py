@@ -21,8 +21,11 @@ class Match(Enum):
 
     LINES = auto()  # its lines
     VERGES = auto()  # its verges alone
-    OTHERS = auto()  # other lines
+    OTHERS = auto()  # something, but not this road
     LITTLE = auto()  # too little to say
+
+
+BY_LINES, BY_ANY = frozenset({Match.LINES}), frozenset({Match.LINES, Match.VERGES})
 
 
 class LineMatcher(FeatureMatcher):
@@ -60,7 +63,7 @@ class LineMatcher(FeatureMatcher):
         for part in (found, near, *parts):
             tracked.correct(part)
             if self.is_sane(tracked.state) and tracked.agrees(part):
-                by_lines = not tracked.verges or tracked.agrees(part.lines)
+                by_lines = not tracked.verges or any(tracked.agrees(seen.lines) for seen in (found, near))
                 return Match.LINES if by_lines else Match.VERGES
             tracked.state, tracked.covariance = known
         return Match.OTHERS
@@ -73,21 +76,22 @@ class LineMatcher(FeatureMatcher):
 
     def settle(
         self, guess: Floats, features: RoadFeatures, numbers: Floats, sigma_m: float, pitch_sigma_rad: float
-    ) -> LaneFilter | None:
-        """The road about a first guess, corrected several times by one frame; None where it is not visible.
+    ) -> tuple[LaneFilter, Match]:
+        """The road about a first guess, corrected several times by one frame, and what showed it at last.
 
         The standard deviations are those of the guess's place and pitch.
         """
-        first = self.config.first_guess
+        first, match = self.config.first_guess, Match.LITTLE
         found = LaneFilter(guess, np.empty(0), self.camera, self.config.filter)
         sigmas = (sigma_m, first.sigma_rad, first.width_sigma_m, pitch_sigma_rad)
         for _ in range(first.corrections):
             found.covariance = initial_covariance(*sigmas, self.config.filter)
             found.verges.clear()
             self.update_verges(found, features)
-            if self.correct(found, features, numbers) not in {Match.LINES, Match.VERGES}:
-                return None
-        return found
+            match = self.correct(found, features, numbers)
+            if match not in BY_ANY:
+                break
+        return found, match
 
     def is_sane(self, state: Floats, turned_rad: float | None = None) -> bool:
         """Whether the model can draw this road; `turned_rad` is the largest heading, None: of a tracked road."""

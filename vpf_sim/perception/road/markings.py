@@ -34,7 +34,7 @@ class RoadFeatures:
 class CombedRoad(NamedTuple):
     """The road that explains most of a frame, by lines a lane's width apart."""
 
-    score: float  # number of lines, each seen in every row and as bright as can be, with steps that count as lines
+    score: float  # lines that it meets, less what is unlikely: 1 is seen in every row, as bright as can be; steps count
     painted: float  # the same without the steps
     y: float  # m, the pose's place right of any one line
     heading: float  # rad

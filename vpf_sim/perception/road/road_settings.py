@@ -109,8 +109,8 @@ class GuessCheckConfig:
 
 @settings
 class RefutationConfig:
-    frames: int = setting("Number of consecutive frames in which other lines are visible.", ge=1)
-    way_m: float = setting("Distance travelled while other lines are visible.", ge=0.0)
+    frames: int = setting("Number of consecutive frames in which not the road is seen, or not its lines.", ge=1)
+    way_m: float = setting("Distance travelled meanwhile.", ge=0.0)
 
 
 @settings
@@ -124,12 +124,14 @@ class VergeConfig:
     """How the ends of the road's surface are searched."""
 
     column_m: float = setting("Distance between columns of the bird's-eye patch.", gt=0.0)
-    surface_m: float = setting("Width of the surfaces at both sides that are compared.", gt=0.0)
+    surface_m: float = setting(
+        "Width of the surfaces at both sides that are compared: an odd number of columns, at least 3.", gt=0.0
+    )
     centroid_m: float = setting("Distance about the strongest step whose centroid is the verge.", gt=0.0)
     least_levels: float = setting("Least difference of colour of a verge in grey levels.", gt=0.0)
     sigma_m: float = setting("Standard deviation of an observation on the road.", gt=0.0)
     beside_m: float = setting("Least distance of a verge from the car's middle.", gt=0.0)
-    least_length_m: float = setting("Visible length without which a verge is not judged.", gt=0.0)
+    least_length_m: float = setting("Visible length up to which the part that is hidden counts as not seen.", gt=0.0)
     found_share: float = setting("Share of its length in which a new verge must be visible.", gt=0.0)
     clear_share: float = setting("Visible share of its length from which a verge is evidence for the edges.", gt=0.0)
     found_sigma_m: float = setting("Standard deviation of the place of a new verge.", gt=0.0)
@@ -201,7 +203,7 @@ class RoadEdgeConfig:
     verge_m: float = setting("Width by which the patch of the ground's colour is wider at both sides.", ge=0.0)
     update_period_s: float = setting("Time between two corrections.", gt=0.0)
     index_period_s: float = setting("Time between two updates of the carriageway hypotheses.", gt=0.0)
-    search_period_s: float = setting("Time between two searches without a tracked road.", gt=0.0)
+    search_period_s: float = setting("Time between two searches without a tracked road, or without its lines.", gt=0.0)
     new_road_m: float = setting("Least distance travelled between two updates of the hypotheses.", ge=0.0)
     ridge_reach_m: float = setting("Distance from a line to the background at both sides.", gt=0.0)
     centroid_m: float = setting("Distance about the strongest response whose centroid is the line.", gt=0.0)
@@ -209,7 +211,7 @@ class RoadEdgeConfig:
     sigma_m: float = setting("Standard deviation of an observation on the road; `sigma_px` adds to it.", gt=0.0)
     sigma_px: float = setting("Standard deviation of an observation in the image, in addition.", ge=0.0)
     least_rows: int = setting("Least number of observations; a frame with fewer is ignored.", ge=1)
-    least_comb: float = setting("Least score of a road found without a tracked one.", ge=0.0)
+    least_comb: float = setting("Least score of a road that a search finds.", ge=0.0)
     lost_sigma_m: float = setting("Standard deviation of the lateral place at which the road is forgotten.", gt=0.0)
     lost_share: float = setting(
         "Standard deviation of the lateral place, as a share of a lane, at which the road is forgotten.", gt=0.0
@@ -232,12 +234,17 @@ class RoadEdgeConfig:
     first_guess: FirstGuessConfig
     hypotheses: HypothesesConfig
     guess_check: GuessCheckConfig = setting("Rejects a first guess whose lines lead away from a known road.")
-    refutation: RefutationConfig = setting("Loses a road whose lines are elsewhere.")
+    refutation: RefutationConfig = setting(
+        "Loses a road that is elsewhere, and searches the paint of one that verges alone show."
+    )
     obstacle_mask: ObstacleMaskConfig = setting("Ignores the road that obstacles occlude.")
 
     def __post_init__(self) -> None:
         if self.likely_lane > self.lanes:
             raise ValueError(f"likely_lane: expected 1 .. {self.lanes}, got {self.likely_lane}")
+        if self.narrowest_lane_m > self.widest_lane_m:
+            widest, narrowest = self.widest_lane_m, self.narrowest_lane_m
+            raise ValueError(f"narrowest_lane_m: expected at most widest_lane_m, {widest:g}, got {narrowest:g}")
 
     @property
     def widths_m(self) -> Floats:

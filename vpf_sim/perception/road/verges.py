@@ -17,7 +17,7 @@ class VergeMatcher(FeatureMatcher):
 
     def __init__(self, camera: Camera, road: RoadEdgeConfig, config: VergeConfig) -> None:
         self.config = config
-        self._reach = 2 * round(0.5 * config.surface_m / config.column_m) + 1
+        self._reach = max(2 * round(0.5 * (config.surface_m / config.column_m - 1.0)) + 1, 3)
         margin = 3 * self._reach + round(config.centroid_m / config.column_m)
         super().__init__(camera, road, road.verge_patch(config.column_m), margin, config.sigma_m)
 
@@ -79,8 +79,8 @@ class VergeMatcher(FeatureMatcher):
 def step(patch: Image, reach: int) -> Image:
     """(rows, columns) levels by which the colours left and right of each place differ.
 
-    Means of `reach` columns, an odd number, beside it, and of those beyond: the smaller difference counts. What is
-    narrow and bright, such as a painted line, is taken out before.
+    Means of `reach` columns, an odd number, beside it, and of as many farther out: the smaller difference counts. What
+    is narrow and bright, such as a painted line, is taken out first.
     """
     unpainted = cv2.morphologyEx(patch, cv2.MORPH_OPEN, np.ones((1, reach), np.uint8))
     mean = cv2.blur(unpainted, (reach, 1))
