@@ -137,7 +137,10 @@ SETTINGS = [
     ('gains = "motio"', "gains: unknown gains 'motio': did you mean 'motion'?"),
     ('static_obstacles = "none"', "[scene] needs [static_obstacles]"),
     ("[verges]\nbeside_m = 12.0", "verges.beside_m: expected at most 10.575, 0.9 of half the patch's width, got 12"),
-    ("[road_edges]\nnarrowest_lane_m = 5.0", "narrowest_lane_m: expected at most widest_lane_m, 4.25, got 5"),
+    (
+        "[road_edges]\nnarrowest_lane_m = 5.0",
+        "road_edges.narrowest_lane_m: expected at most widest_lane_m, 4.25, got 5",
+    ),
     ("[verges]\nsurface_m = 4.0", "verges.surface_m: expected at most 2.35, 0.2 of half the patch's width, got 4"),
 ]
 DRIVES = [

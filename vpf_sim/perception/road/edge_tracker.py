@@ -113,7 +113,10 @@ class RoadEdgeTracker:
         self._pose = pose
 
     def _correct(self, tracked: LaneFilter, features: RoadFeatures, judge: bool) -> bool:
-        """Whether lines and verges about their predicted places corrected the state; the road may be lost."""
+        """Correct the state by lines and verges about their predicted places; the road may be lost.
+
+        Whether its lines are seen: where only verges are, none of the lines can be told from another.
+        """
         match = self.matcher.correct(tracked, features, self._index.numbers)
         corrected = match in BY_ANY
         if judge and corrected:
@@ -128,7 +131,7 @@ class RoadEdgeTracker:
             return False
         if corrected:
             self._pitch_rad, self._pitch_frame = float(tracked.state[PITCH]), self._frame
-        return corrected
+        return match is Match.LINES
 
     def _find(self, image_rgb: Image, features: RoadFeatures) -> bool:
         """Track the road that explains most ridges: about the known road, or in any lane where none is known.
