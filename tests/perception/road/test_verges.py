@@ -37,6 +37,14 @@ def test_where_the_paint_ends_the_verges_show_the_road(curvature: float, verge: 
     assert edges.lane_confidence > 0.5
 
 
+def test_the_verges_are_followed_while_paint_is_searched_in_every_frame() -> None:
+    """At two frames a second."""
+    picture = RoadPicture(Camera(), paint_ends_m=PAINTED_M)
+    *_, (last, _) = follow(picture, 1.75, 0.0, round(2.0 * (PAINTED_M + UNPAINTED_M) / SPEED_MPS), 2.0, VERGES)
+    assert (last.left_m, last.right_m) == pytest.approx((-8.75, 5.25), abs=0.3)
+    assert last.lane_confidence > 0.5
+
+
 def test_without_them_the_road_is_lost_there() -> None:
     assert beyond_the_paint(RoadPicture(Camera(), 0.015), None).lane_confidence == 0.0
 
@@ -53,6 +61,9 @@ def test_where_an_obstacle_hides_all_of_the_road_there_is_no_step() -> None:
     wall = Obstacles(*sides, np.array([1]))
     edges = tracker.update(frame, grey(frame), np.zeros(3), SPEED_MPS, 0.0, wall)
     assert edges.lane_confidence == 0.0
+    matcher = VergeMatcher(Camera(), ROBUST.road_edges, VERGES)
+    assert matcher.steps(frame, None, 0.0).visible.any()
+    assert not matcher.steps(frame, wall, 0.0).visible.any()
 
 
 def test_verges_without_paint_start_no_road() -> None:
