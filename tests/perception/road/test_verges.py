@@ -40,7 +40,7 @@ def test_where_the_paint_ends_the_verges_show_the_road(curvature: float, verge: 
 def test_the_verges_are_followed_while_paint_is_searched_in_every_frame() -> None:
     """At two frames a second."""
     picture = RoadPicture(Camera(), paint_ends_m=PAINTED_M)
-    *_, (last, _) = follow(picture, 1.75, 0.0, round(2.0 * (PAINTED_M + UNPAINTED_M) / SPEED_MPS), 2.0, VERGES)
+    *_, (last, _) = follow(picture, 1.75, 0.0, 120, 2.0, VERGES)
     assert (last.left_m, last.right_m) == pytest.approx((-8.75, 5.25), abs=0.3)
     assert last.lane_confidence > 0.5
 
