@@ -14,7 +14,7 @@ CHANGES = [
     {"gains"},
     {"odometry"},
     {"camera_pitch"},
-    {"static_obstacles", "visibility", "scene", "paper_planner", "obstacle_map"},
+    {"verges", "static_obstacles", "visibility", "scene", "paper_planner", "obstacle_map"},
     {"moving_obstacles", "crossing"},
 ]
 
