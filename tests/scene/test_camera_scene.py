@@ -26,8 +26,8 @@ def edges_at(d_m: float, turned_rad: float, curvature_per_m: float, oncoming_m: 
     return RoadEdges(left, right, -turned_rad, here, 0.02, 1.0, -d_m, LANE_M, 1.0, oncoming_m)
 
 
-def seen(edges: RoadEdges, told: Obstacles | None = None) -> Any:
-    return SimpleNamespace(road=edges, obstacles=told or obstacles())
+def seen(edges: RoadEdges, reported: Obstacles | None = None) -> Any:
+    return SimpleNamespace(road=edges, obstacles=reported or obstacles())
 
 
 AHEAD = edges_at(0.0, 0.0, 0.0)
@@ -95,9 +95,9 @@ def test_an_obstacle_keeps_its_place_in_the_world() -> None:
     forward = np.cos(turned) * faces[:, 0] + np.sin(turned) * faces[:, 1]
     aside = np.cos(turned) * faces[:, 1] - np.sin(turned) * faces[:, 0]
     places_m = np.stack([forward, aside - 0.9, aside + 0.9], axis=1).tolist()
-    told = obstacles(*places_m, identity=(3, -1), speed_mps=(0.0, 4.0))
+    reported = obstacles(*places_m, identity=(3, -1), speed_mps=(0.0, 4.0))
     here = observed(0.0, d_m, turned)
-    scene.observe(seen(edges_at(d_m, turned, 0.0), told), here)
+    scene.observe(seen(edges_at(d_m, turned, 0.0), reported), here)
     made = scene.scene(here, 5.0)
     tracks = made.tracks
     np.testing.assert_allclose(tracks.s_m - 0.5 * tracks.length_m, [20.0, 12.0], atol=1e-6)

@@ -103,8 +103,8 @@ def test_a_standing_car_knows_no_focus() -> None:
 def test_points_on_the_glass_leave_the_focus_in_place_and_take_confidence() -> None:
     """As many points again that do not move at all."""
     clean = flow_on_circle(1e9, 0.1)
-    spots = stream(3, "glass").uniform([0.0, 0.0], [640.0, 480.0], (300, 2))
-    both = (np.concatenate([px, spots]) for px in (clean.points_px, clean.first_px))
+    drops = stream(3, "glass").uniform([0.0, 0.0], [640.0, 480.0], (300, 2))
+    both = (np.concatenate([px, drops]) for px in (clean.points_px, clean.first_px))
     flow = replace(flow_between(*both, clean.past_pose[0]), on_glass=np.arange(600) >= 300)
     seen, wet = (estimate(one, CAMERA, CONFIG, stream(0, "foe")) for one in (clean, flow))
     assert (wet.x_px, wet.y_px) == pytest.approx((seen.x_px, seen.y_px))

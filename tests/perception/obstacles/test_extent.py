@@ -33,10 +33,10 @@ SPLIT, FRAGMENT = CONFIG.split, CONFIG.fragment
 def test_obstacles_are_predicted_by_the_ego_motion_and_their_own() -> None:
     """One stands and one drives at 4 m/s along a straight road that runs 0.1 rad to the right; 0.05 s later the car has
     gone 0.3 m ahead, 0.02 m aside and turned by 0.03 rad."""
-    told = obstacles((20.0, 2.0, 4.0), (30.0, -3.0, -1.0), identity=(1, -1), speed_mps=(0.0, 4.0))
+    reported = obstacles((20.0, 2.0, 4.0), (30.0, -3.0, -1.0), identity=(1, -1), speed_mps=(0.0, 4.0))
     road, seen_from = RoadEdges(-5.0, 5.0, 0.1, 0.0, 0.05, 1.0, 0.0, 3.5), np.array([3.0, 1.0, 0.5])
     pose = np.array([*(seen_from[:2] + rotation(0.5) @ np.array([0.3, 0.02])), 0.53])
-    found = predict(told, seen_from, pose, road, 0.05)
+    found = predict(reported, seen_from, pose, road, 0.05)
     expected = np.array([[20.0, 3.0], [30.0, -2.0] + 0.2 * np.array([np.cos(0.1), np.sin(0.1)])]) - (0.3, 0.02)
     expected = expected @ rotation(0.03)
     assert np.stack([found.forward_m, found.middle_m], axis=1) == pytest.approx(expected, abs=1e-3)

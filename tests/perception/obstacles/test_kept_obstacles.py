@@ -27,7 +27,7 @@ def test_lost_tracks_delete_no_obstacle() -> None:
     assert len(seen[-1]) == 1
     drive.scene = np.concatenate([np.tile([-50.0, 0.0, 0.0], (10, 1)), drive.scene[10:]])
     later = drive.run(watch, range(280, 400))
-    assert all(len(told) == 1 for told in later)
+    assert all(len(found) == 1 for found in later)
     assert later[-1].forward_m[0] == pytest.approx(40.0 - drive.pose(399)[0], abs=0.5)
 
 
@@ -80,4 +80,4 @@ def test_a_far_car_that_drives_across_is_no_near_obstacle(drives: bool, reported
             sight = corners[0] - here
             drive.scene[:5] = here + sight * 55.0 / sight[0] + 4.6 * (corners - corners[0]) * [0.0, 1.0, 1.0]
         reports += drive.run(found, range(k, k + 1))
-    assert any(len(told) for told in reports[240:]) == reported
+    assert any(len(found) for found in reports[240:]) == reported

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from driver_settings import ROBUST, unwrap
+from made_obstacles import obstacles
 from road_picture import SPEED_MPS, RoadPicture, follow
 
 from vpf_sim.perception.egomotion.flow import grey
@@ -15,7 +16,7 @@ from vpf_sim.perception.road.model import VERGE, state_of
 from vpf_sim.perception.road.road_settings import VergeConfig
 from vpf_sim.perception.road.state_filter import LaneFilter, Sightings, initial_covariance
 from vpf_sim.perception.road.verges import VergeMatcher, step
-from vpf_sim.types import Camera, Floats, Obstacles, RoadEdges
+from vpf_sim.types import Camera, Floats, RoadEdges
 
 RATE_HZ = 10.0
 VERGES = unwrap(ROBUST.verges)
@@ -57,8 +58,7 @@ def test_where_an_obstacle_hides_all_of_the_road_there_is_no_step() -> None:
     """The body of a vehicle just ahead."""
     tracker = RoadEdgeTracker(Camera(), ROBUST.road_edges, RATE_HZ, VERGES)
     frame = RoadPicture(Camera()).draw(np.zeros(3))
-    sides = (np.array([value]) for value in (2.5, -20.0, 20.0, 0.1, np.inf))
-    wall = Obstacles(*sides, np.array([1]))
+    wall = obstacles((2.5, -20.0, 20.0), sigma_m=0.1)
     edges = tracker.update(frame, grey(frame), np.zeros(3), SPEED_MPS, 0.0, wall)
     assert edges.lane_confidence == 0.0
     matcher = VergeMatcher(Camera(), ROBUST.road_edges, VERGES)

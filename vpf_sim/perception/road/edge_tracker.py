@@ -115,7 +115,7 @@ class RoadEdgeTracker:
     def _correct(self, tracked: LaneFilter, features: RoadFeatures, judge: bool) -> bool:
         """Correct the state by lines and verges about their predicted places; the road may be lost.
 
-        Whether its lines are seen: where only verges are, none of the lines can be told from another.
+        Whether its lines are seen: where only verges are, the lines cannot be distinguished.
         """
         match = self.matcher.correct(tracked, features, self._index.numbers)
         corrected = match in BY_ANY
@@ -156,10 +156,11 @@ class RoadEdgeTracker:
         )
         if known is None:
             self._index = CarriagewayHypotheses.start(config.lanes, config.likely_lane, config.hypotheses)
-        place, road = found.y % found.width, None
-        if known is not None:
-            place = found.y + found.width * round((known.state[0] - found.y) / found.width)
+        road = None
         if found.painted >= config.least_comb:
+            place = found.y % found.width
+            if known is not None:
+                place = found.y + found.width * round((known.state[0] - found.y) / found.width)
             guess = state_of(place, found.heading, found.curvature, found.width)
             road = self.settled(guess, features, config.first_guess.sigma_m, BY_LINES)
         is_led = features.steps is not None and self._is_lost and found.score >= config.least_comb
@@ -193,8 +194,8 @@ class RoadEdgeTracker:
     def _follow(self, found: LaneFilter) -> None:
         """Track a road that was found in this frame."""
         self._road, self._is_lost = found, False
-        for refuted in self._refuted, self._unpainted:
-            refuted.add(True, self._travelled_m)
+        for absence in self._refuted, self._unpainted:
+            absence.add(True, self._travelled_m)
         self._pitch_rad, self._pitch_frame = float(found.state[PITCH]), self._frame
 
     def _is_known(self, road: LaneFilter | None) -> bool:
